@@ -1,0 +1,1 @@
+"""The integrator `auto`: scheme and step chosen by short pilots on a sample of the particles."""

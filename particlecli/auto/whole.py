@@ -1,0 +1,117 @@
+"""Pilots of particles that act on each other: all of them are flown, from the beginning of the scene."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext, suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from particlecli.auto.pilot import Flight
+from particlecli.dynamics.integrators import SCHEMES
+from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme
+from particlecli.dynamics.plan import Plan, make_plan
+from particlecli.errors import SimulationError
+from particlecli.scene.forces import Attraction
+from particlecli.scene.integrator import Integrator
+
+if TYPE_CHECKING:
+    from particlecli.dynamics.system import System
+
+WORK = 2e8
+"""Pairs of particles that the flight which others are compared with may look at, about."""
+
+NEAR, FAR = 30, 1000
+"""How many others act on a particle, at a guess: those near it, and at most, by a tree, all of them."""
+
+FEWEST, CALLS = 8, 50
+"""Frames that are worth flying, and evaluations in one, at a guess."""
+
+
+def looks(plan: Plan) -> int:
+    """Pairs of particles that an evaluation of a plan's coupled groups looks at, about."""
+    count = sum(group.capacity for group in plan.groups if group.coupled)
+    return count * max(min(count, FAR) if isinstance(each.force, Attraction) else NEAR for each in plan.couplings)
+
+
+def worth_flying(plan: Plan) -> bool:
+    """Whether the coupled groups of a plan are few enough for pilots to tell anything."""
+    return looks(plan) * CALLS * FEWEST <= WORK
+
+
+class WholePilot:
+    """The groups of a scene whose particles act on each other, flown from t = 0 for some frames.
+
+    Args:
+        plan: of the scene.
+
+    Attributes:
+        first_frames: instants of birth in frames, 0: ages count from the beginning of the scene; shape (n,).
+        frames: how many frames the scene has after the first, shape (n,).
+        flown: frames that are flown; the first flight ends when it has been enough work, and sets it.
+        moves: that there is something to fly for.
+    """
+
+    moves = True
+
+    def __init__(self, plan: Plan) -> None:
+        self._scene = plan.scene
+        self._looks = looks(plan)
+        self._first = True
+        self.flown = plan.scene.frame_count - 1
+        self._totals = {group.name: group.births.total for group in plan.groups if group.coupled}
+        count = sum(self._totals.values())
+        self.first_frames = np.zeros(count)
+        self.frames = np.full(count, plan.scene.frame_count - 1)
+        self._systems: dict[str, System] = {}
+
+    def fly(self, scheme: AnyScheme, *, steps: int = 1, tolerance: float | None = None) -> Flight:
+        """Fly with so many equal steps in a frame, or with an error tolerated in a step.
+
+        A flight that fails has no positions from then on; the first one must not fail.
+
+        Raises:
+            SimulationError: it did.
+        """
+        system = self._system(scheme)
+        system.plan = replace(system.plan, steps_per_frame=steps)
+        assert system.coupled
+        if tolerance is not None:
+            system.coupled.tolerance = tolerance
+        system.restart()
+        positions = np.full((self.flown, len(self.frames), 3), np.nan)
+        flown = 0
+        with nullcontext() if self._first else suppress(SimulationError):
+            while flown < self.flown and not (self._first and flown >= FEWEST and self._enough(system)):
+                system.advance((flown + 1) / self._scene.fps)
+                self._note(system, flown + 1, positions[flown])
+                flown += 1
+        if self._first:
+            self.flown, self._first = flown, False
+        return Flight(positions[: self.flown], system.evaluations / max(1, flown * len(self.frames)))
+
+    def _enough(self, system: System) -> bool:
+        return system.evaluations / len(self.frames) * self._looks > WORK
+
+    def _note(self, system: System, index: int, positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
+        frame, first = system.frame(index, {}), 0
+        for name, total in self._totals.items():
+            group = frame.groups[name]
+            positions[first + group.ids] = group.positions
+            first += total
+
+    def _system(self, scheme: AnyScheme) -> System:
+        from particlecli.dynamics.system import System
+
+        name = next(name for name, each in SCHEMES.items() if each is scheme)
+        if name not in self._systems:
+            adaptive = isinstance(scheme, AdaptiveRungeKutta)
+            integrator = Integrator(
+                type=name, dt=None if adaptive else 1.0 / self._scene.fps, contact=self._scene.integrator.contact
+            )
+            plan = make_plan(self._scene.model_copy(update={"integrator": integrator}))
+            bound = replace(plan, groups=tuple(group for group in plan.groups if group.coupled), broods=())
+            self._systems[name] = System(bound, retraces=False)
+            self._systems[name].compile()
+        return self._systems[name]

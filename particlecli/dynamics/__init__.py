@@ -1,0 +1,1 @@
+"""The physics: scenes become plans, plans become Taichi kernels that advance packs of particles."""

@@ -1,0 +1,224 @@
+"""Damped springs between particles of a group."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import taichi as ti
+from numpy.typing import NDArray
+
+from particlecli.dynamics.coupled.base import CoupledTerm
+from particlecli.dynamics.coupled.links import Adjacency, Lattice, places
+from particlecli.dynamics.coupled.points import Points
+from particlecli.dynamics.expressions import evaluate
+from particlecli.dynamics.group_plan import LANES, GroupPlan
+from particlecli.errors import SimulationError
+from particlecli.scene import forces as scene
+from particlecli.scene.shapes import LinkedLayout
+
+
+class Springs(CoupledTerm[scene.Springs]):
+    """F = −(k (|l| − r) + d l′·l/|l|) l/|l|, U = ½ k (|l| − r)².
+
+    Symbols: l from one end to the other, m; l′ its rate of change, m/s; k stiffness, N/m; r rest length, m; d damping,
+    N s/m. A spring whose ends are at the same place pulls in no direction.
+    A particle looks its springs up in a table that has each of them twice, once for each end, in the same order for
+    all time: so both ends get the same force to the last bit, in opposite directions, whatever thread computes them.
+    Source: Witkin & Baraff, Physically Based Modeling (SIGGRAPH 1997), C, eq. 1.
+
+    Args:
+        plans: of all groups of `points`, in their order.
+    """
+
+    has_potential = True
+
+    def __init__(self, spec: scene.Springs, points: Points, groups: Sequence[int], plans: Sequence[GroupPlan]) -> None:
+        super().__init__(spec, points, groups)
+        self.needs_places = bool({"s", "side"} & spec.rest_length.names)
+        self.ends_steps = spec.breaks_at is not None
+        tables = [_table(spec, plans[g]) for g in groups]
+        self.first_rows = np.cumsum([0, *(len(starts) for starts, *_ in tables)]).tolist()
+        slots = np.cumsum([0, *(len(partners) for _, partners, *_ in tables)])
+        starts = np.concatenate([table[0] + slot for table, slot in zip(tables, slots, strict=False)])
+        self.starts = ti.field(ti.i32, shape=len(starts))
+        self.starts.from_numpy(starts.astype(np.int32))
+        partners, *columns = (np.concatenate([table[i] for table in tables]) for i in range(1, 5))
+        self.original = partners
+        rows = max(1, len(partners))
+        self.partners = ti.field(ti.types.vector(LANES, ti.i32), shape=rows)
+        pack = ti.types.vector(LANES, points.real)
+        self.columns = ti.field(pack, shape=(3 if self.needs_places else 1, rows))
+        if len(partners):
+            kept = np.stack(columns[: 3 if self.needs_places else 1])
+            self.columns.from_numpy(kept.astype(points.real_dtype))
+        self.stiff = ti.field(pack, shape=(5, rows) if plans[0].implicit else (5, 1))
+        self.restart()
+
+    def restart(self) -> None:
+        """Make every spring whole."""
+        if len(self.original):
+            self.partners.from_numpy(self.original)
+
+    def joined(self) -> list[NDArray[np.int64]]:
+        """For each of `groups`, the numbers of the particles that whole springs join, shape (springs, 2)."""
+        return [pairs for pairs, _ in self._once(self.partners.to_numpy())]
+
+    def ends(self) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:
+        """The same of all springs, and for each of them the number of its entry in the table, 16 slot + lane."""
+        found = self._once(self.original)
+        return [pairs for pairs, _ in found], [places for _, places in found]
+
+    def _once(self, partners):
+        starts = self.starts.to_numpy()
+        found = []
+        for first, last in pairwise(self.first_rows):
+            packs = np.repeat(np.arange(last - first - 1), np.diff(starts[first:last]))
+            others = partners[starts[first] : starts[last - 1]]
+            owners = packs[:, None] * LANES + np.arange(LANES)
+            once = owners < others
+            pairs = np.stack([owners[once], others[once]], axis=1).astype(np.int64)
+            found.append((pairs, starts[first] * LANES + np.flatnonzero(once)))
+        return found
+
+    def parameters(self) -> list[float]:
+        """Stiffness, damping, strain at which springs break."""
+        return [self.spec.stiffness, self.spec.damping, self.spec.breaks_at or 0.0]
+
+    @ti.func
+    def acceleration(self, p, b, t):
+        """Three packs, m/s²."""
+        mass = self.points.mass[b]
+        fx, fy, fz = 0.0 * mass, 0.0 * mass, 0.0 * mass
+        first, row = self._place(b)
+        for slot in range(self.starts[row], self.starts[row + 1]):
+            dx, dy, dz, length, inverse = self._span(slot, b, first)
+            pull = p[0] * (length - self._rest(slot, t))
+            if ti.static(self.spec.damping > 0):
+                du = self.points.gathered(3, self.partners[slot], first) - self.points.state[3, b]
+                dv = self.points.gathered(4, self.partners[slot], first) - self.points.state[4, b]
+                dw = self.points.gathered(5, self.partners[slot], first) - self.points.state[5, b]
+                pull += p[1] * (du * dx + dv * dy + dw * dz) * inverse
+            pull *= inverse
+            fx, fy, fz = fx + pull * dx, fy + pull * dy, fz + pull * dz
+        weight = ti.select(mass > 0.0, 1.0 / mass, 0.0)
+        return [weight * fx, weight * fy, weight * fz]
+
+    @ti.func
+    def potential(self, p, b, t):
+        """Half the energy of each spring of the particles of a pack, J."""
+        energy = 0.0 * self.points.mass[b]
+        first, row = self._place(b)
+        for slot in range(self.starts[row], self.starts[row + 1]):
+            stretch = self._span(slot, b, first)[3] - self._rest(slot, t)
+            joins = self.partners[slot] != self._own(b, first)
+            energy += ti.select(joins, 0.25 * p[0] * stretch * stretch, 0.0)
+        return energy
+
+    @ti.func
+    def linearize(self, p, b, t, by_position, by_velocity):
+        """As of `CoupledTerm`: of each spring s n nᵀ + c 1, n along it; without the part that bends under pressure."""
+        zero = 0.0 * self.points.mass[b]
+        xx, xy, xz, yy, yz, zz = zero, zero, zero, zero, zero, zero
+        first, row = self._place(b)
+        for slot in range(self.starts[row], self.starts[row + 1]):
+            dx, dy, dz, _, inverse = self._span(slot, b, first)
+            nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
+            joins = self.partners[slot] != self._own(b, first)
+            taut = ti.max(0.0, 1.0 - self._rest(slot, t) * inverse)
+            c = ti.select(joins, by_position * p[0] * taut, 0.0)
+            s = ti.select(joins, by_position * p[0] * (1.0 - taut) + by_velocity * p[1], 0.0)
+            for j in ti.static(range(5)):
+                self.stiff[j, slot] = [nx, ny, nz, s, c][j]
+            xx, xy, xz = xx + s * nx * nx + c, xy + s * nx * ny, xz + s * nx * nz
+            yy, yz, zz = yy + s * ny * ny + c, yz + s * ny * nz, zz + s * nz * nz + c
+        return [xx, xy, xz, yy, yz, zz]
+
+    @ti.func
+    def apply(self, b, vectors: ti.template(), top):
+        """As of `CoupledTerm`."""
+        zero = 0.0 * self.points.mass[b]
+        x, y, z = zero, zero, zero
+        first, row = self._place(b)
+        for slot in range(self.starts[row], self.starts[row + 1]):
+            qx = self.points.gathered_from(vectors, top + 0, self.partners[slot], first)
+            qy = self.points.gathered_from(vectors, top + 1, self.partners[slot], first)
+            qz = self.points.gathered_from(vectors, top + 2, self.partners[slot], first)
+            nx, ny, nz = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot]
+            along, c = self.stiff[3, slot] * (nx * qx + ny * qy + nz * qz), self.stiff[4, slot]
+            x, y, z = x - along * nx - c * qx, y - along * ny - c * qy, z - along * nz - c * qz
+        return [x, y, z]
+
+    @ti.func
+    def block(self, place):
+        """The block beside the diagonal of the spring of entry `place`, xx, xy, xz, yy, yz, zz, as of `linearize`."""
+        slot, lane = place // LANES, place % LANES
+        nx, ny, nz = self.stiff[0, slot][lane], self.stiff[1, slot][lane], self.stiff[2, slot][lane]
+        s, c = self.stiff[3, slot][lane], self.stiff[4, slot][lane]
+        return [-s * nx * nx - c, -s * nx * ny, -s * nx * nz, -s * ny * ny - c, -s * ny * nz, -s * nz * nz - c]
+
+    @ti.func
+    def end_step(self, p, b, t):
+        """Break the springs of a pack that are stretched too far."""
+        first, row = self._place(b)
+        for slot in range(self.starts[row], self.starts[row + 1]):
+            rest = self._rest(slot, t)
+            overstretched = self._span(slot, b, first)[3] - rest > p[2] * rest
+            self.partners[slot] = ti.select(overstretched, self._own(b, first), self.partners[slot])
+
+    @ti.func
+    def _place(self, b):
+        """The first pack of the group of pack b, and the row of the pack in `starts`."""
+        first, row = 0, 0
+        for i in ti.static(range(len(self.groups))):
+            if self.points.holds(self.groups[i], b):
+                first = self.points.firsts[self.groups[i]]
+                row = self.first_rows[i] + b - first
+        return [first, row]
+
+    @ti.func
+    def _span(self, slot, b, first):
+        """From a pack's particles to their partners: components and length, m, and 1/length or zero."""
+        dx = self.points.gathered(0, self.partners[slot], first) - self.points.state[0, b]
+        dy = self.points.gathered(1, self.partners[slot], first) - self.points.state[1, b]
+        dz = self.points.gathered(2, self.partners[slot], first) - self.points.state[2, b]
+        length = ti.sqrt(dx * dx + dy * dy + dz * dz)
+        return [dx, dy, dz, length, ti.select(length > 0.0, 1.0 / length, 0.0)]
+
+    @ti.func
+    def _own(self, b, first):
+        """The numbers of a pack's own particles."""
+        return ti.Vector(list(range(LANES))) + (b - first) * LANES
+
+    @ti.func
+    def _rest(self, slot, t):
+        """Rest lengths of the springs of a slot, m."""
+        length = self.columns[0, slot]
+        s, side = length, length
+        if ti.static(self.needs_places):
+            s, side = self.columns[1, slot], self.columns[2, slot]
+        return 0.0 * length + self._rest_length({"l": length, "t": t, "s": s, "side": side})
+
+    def _rest_length(self, names):
+        return evaluate(self.spec.rest_length, names)
+
+
+def _table(spec: scene.Springs, plan: GroupPlan):
+    """Starts and partners as of `Adjacency`; and of each entry the distance at first, s and side, shape (slots, 16)."""
+    positions = plan.births.table(0, plan.births.total).positions
+    if spec.pairs is not None:
+        pairs = np.array(spec.pairs, np.int64)
+    elif isinstance(plan.layout, LinkedLayout):
+        pairs = Lattice.of(plan.layout).pairs(spec.links or ("structural", "shear", "bend"))
+    else:
+        raise ValueError(f"the particles of {plan.name} are not linked")
+    if pairs.size and pairs.max() >= positions.shape[1]:
+        raise SimulationError(
+            f"springs join particle {pairs.max()} of group {plan.name}, which has {positions.shape[1]} particles, "
+            "numbered from 0"
+        )
+    adjacency = Adjacency.of(pairs, positions.shape[1])
+    lengths = np.linalg.norm(positions[:, pairs[:, 0]] - positions[:, pairs[:, 1]], axis=0)
+    middles = [each[pairs].mean(axis=1) for each in places(plan.layout, positions.shape[1])]
+    # Lanes without a spring have the length and place of the last one, for which a rest length is sure to be finite.
+    columns = [(values if len(values) else np.zeros(1))[adjacency.links] for values in (lengths, *middles)]
+    return adjacency.starts, adjacency.partners, *columns

@@ -1,0 +1,321 @@
+"""Flights of a few particles through a whole scene in one launch, with any explicit scheme at any pace.
+
+Tableau, pace and planes are data, and the equations of motion appear once, so that one small kernel flies all schemes:
+each turn of its loop is a step that is tried from the present state, and what it brought decides what comes next.
+Impacts within a step are located as the engine locates them, but more roughly.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import taichi as ti
+from numpy.typing import NDArray
+
+from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, ExplicitRungeKutta, Splitting
+from particlecli.dynamics.motion import Motion
+from particlecli.dynamics.probe import IDLE, Doubles, Probe
+from particlecli.runtime import Precision
+
+Explicit = ExplicitRungeKutta | AdaptiveRungeKutta | Splitting
+
+EVENLY, ADAPTIVELY, SPLIT = range(3)
+"""Kinds of schemes."""
+
+WEIGHT, TIME, ERROR, COARSE, DRIFT = range(5)
+"""Columns of a scheme's rows, one for each evaluation; splittings drift before each, their weight is that of a kick."""
+
+NORMAL, OFFSET, RESTITUTION, HOLDS, COULOMB, VISCOUS = 0, 3, 4, 5, 6, 7
+"""Columns of planes: normal, its product with a point of the plane, …, whether a hit ends the motion, …"""
+
+SHORTEST = 1e-6
+"""A step shorter than so many frames means that the error cannot be controlled."""
+
+FIRST, SAFETY, SHRINKS, GROWS = 0.01, 0.9, 0.2, 8.0
+"""The first step of an adaptive scheme in frames, and how its steps change, as the engine has them."""
+
+MOST_IMPACTS = 4
+"""Impacts within a step that are followed; what is still below then comes to rest on the plane."""
+
+CORRECTIONS = 2
+"""Newton steps towards the instant of an impact."""
+
+
+class Course(NamedTuple):
+    """What particles fly through.
+
+    Attributes:
+        interval: from one frame to the next, s.
+        frames: how many each particle lives, shape (n,).
+        planes: a row for each, see `NORMAL` and so on, shape (planes, 8).
+        located: whether impacts happen within the step, or at its end.
+        box: corners of the box outside of which particles die, shape (2, 3).
+    """
+
+    interval: float
+    frames: NDArray[np.int32]
+    planes: Doubles
+    located: bool
+    box: Doubles
+
+
+@ti.data_oriented
+class Flights(Probe):
+    """A probe that also flies particles, each from an instant of its own.
+
+    Args:
+        motion: the equations of motion, the tables of its flows filled in.
+        precision: of the forces, the one the runtime was started with; states are double.
+        most: particles that fly together, at most.
+    """
+
+    def __init__(self, motion: Motion, precision: Precision, most: int) -> None:
+        super().__init__(motion, precision)
+        self.slopes = ti.field(ti.f64, shape=(max(1, most), 16, IDLE))
+
+    def fly(
+        self,
+        scheme: Explicit,
+        states: Doubles,
+        times: Doubles,
+        inverse_masses: Doubles,
+        course: Course,
+        steps: int,
+        tolerance: float | None,
+    ) -> tuple[Doubles, Doubles]:
+        """Fly with so many equal steps in a frame, or with an error tolerated in a step.
+
+        Args:
+            scheme: an adaptive one takes equal steps where there is no tolerance.
+            states, times, inverse_masses: as of `derivative`.
+            course: what they fly through.
+            steps: in a frame.
+            tolerance: m and m/s, relative to coordinates and speeds above 1.
+
+        Returns:
+            Positions at each frame after the start, shape (frames, n, 3), m, NaN where a particle lives no more or its
+            flight has failed; and the steps tried, shape (n,).
+        """
+        kind = SPLIT if isinstance(scheme, Splitting) else EVENLY if tolerance is None else ADAPTIVELY
+        weights, rows, last, exponent = _table(scheme)
+        count = states.shape[1]
+        out = np.full((int(course.frames.max(initial=0)), count, 3), np.nan)
+        tried = np.zeros(count)
+        if out.size:
+            full = np.zeros((IDLE, count))
+            full[: len(states)] = states
+            planes = course.planes if len(course.planes) else np.zeros((1, 8))
+            self._fly(
+                full, times, inverse_masses, course.frames, course.interval, weights, rows, last, exponent, kind,
+                steps, tolerance or 1.0, planes, len(course.planes), int(course.located), course.box, out, tried,
+            )  # fmt: skip
+        return out, tried
+
+    @ti.kernel
+    def _fly(
+        self,
+        states: ti.types.ndarray(dtype=ti.f64, ndim=2),
+        times: ti.types.ndarray(dtype=ti.f64, ndim=1),
+        inverse_masses: ti.types.ndarray(dtype=ti.f64, ndim=1),
+        frames: ti.types.ndarray(dtype=ti.i32, ndim=1),
+        interval: ti.f64,
+        weights: ti.types.ndarray(dtype=ti.f64, ndim=2),
+        rows: ti.types.ndarray(dtype=ti.f64, ndim=2),
+        last: ti.f64,
+        exponent: ti.f64,
+        kind: ti.i32,
+        steps: ti.i32,
+        tolerance: ti.f64,
+        planes: ti.types.ndarray(dtype=ti.f64, ndim=2),
+        plane_count: ti.i32,
+        located: ti.i32,
+        box: ti.types.ndarray(dtype=ti.f64, ndim=2),
+        out: ti.types.ndarray(dtype=ti.f64, ndim=3),
+        tried: ti.types.ndarray(dtype=ti.f64, ndim=1),
+    ):
+        for i in range(states.shape[1]):
+            p = self._loaded()
+            inverse_mass = ti.cast(inverse_masses[i], self.real)
+            y = ti.Vector([states[c, i] for c in range(IDLE)])
+            time, pace = times[i], FIRST * interval
+            frame, left, part = 0, interval, interval / steps
+            tries, impacts, seeking, struck = 0.0, 0, 0, 0
+            when, reach, lives, held = 0.0 * interval, 0.0 * interval, frames[i] > 0, False
+            while lives:
+                h = part if kind != ADAPTIVELY else ti.min(pace, left)
+                if seeking > 0:
+                    h = when
+                # A step of length h.
+                new, drifted = y, 0.0 * interval
+                for s in range(rows.shape[0]):
+                    at, then = y, time + rows[s, TIME] * h
+                    if kind == SPLIT:
+                        for c in ti.static(range(3)):
+                            new[c] = new[c] + rows[s, DRIFT] * h * new[c + 3]
+                        drifted += rows[s, DRIFT]
+                        at, then = new, time + drifted * h
+                    else:
+                        for j in range(s):
+                            for c in ti.static(range(self.components)):
+                                at[c] = at[c] + h * weights[s, j] * self.slopes[i, j, c]
+                    state = [ti.cast(at[c], self.real) for c in ti.static(range(IDLE))]
+                    k = self.motion.derivative(p, state, ti.cast(then, self.real), [inverse_mass])
+                    for c in ti.static(range(self.components)):
+                        slope = ti.cast(k[c], ti.f64)
+                        self.slopes[i, s, c] = slope
+                        if (kind != SPLIT) | (c > 2):
+                            new[c] = new[c] + h * rows[s, WEIGHT] * slope
+                if kind == SPLIT:
+                    for c in ti.static(range(3)):
+                        new[c] = new[c] + last * h * new[c + 3]
+                # What it brought.
+                accepted = True
+                if (kind == ADAPTIVELY) & (seeking == 0):
+                    tries += 1.0
+                    error = self._error(i, rows, y, new, h) / tolerance
+                    if not (error < 1e10):
+                        error = 1e10
+                    change = ti.min(ti.max(SAFETY * ti.max(error, 1e-10) ** -exponent, SHRINKS), GROWS)
+                    if error <= 1.0:
+                        pace = ti.max(pace, h * change) if h < pace else h * change
+                    else:
+                        accepted = False
+                        pace = h * ti.min(change, SAFETY)
+                        lives = pace >= SHORTEST * interval
+                moved = 0.0 * interval
+                if accepted & (seeking > 0):
+                    height, speed = self._height(planes, struck, new)
+                    if seeking <= CORRECTIONS:
+                        when = ti.min(ti.max(when - height / ti.select(speed < 0.0, speed, -1.0), 0.0), reach)
+                        seeking += 1
+                    else:
+                        y = self._hit(planes, struck, new, False)
+                        held = planes[struck, HOLDS] > 0.0
+                        moved, seeking = h, 0
+                        impacts = impacts + 1 if h > 0.0 else MOST_IMPACTS
+                elif accepted:
+                    deepest = 0.0 * interval
+                    if (located == 1) & (impacts < MOST_IMPACTS):
+                        for k in range(plane_count):
+                            height, speed = self._height(planes, k, new)
+                            if (speed < 0.0) & (height < deepest):
+                                deepest, struck = height, k
+                    if deepest < 0.0:
+                        before, rising = self._height(planes, struck, y)
+                        when, reach, seeking = h * _crossing(ti.max(before, 0.0), h * rising, deepest), h, 1
+                    else:
+                        y, moved, impacts = new, h, 0
+                        for k in range(plane_count):
+                            height, speed = self._height(planes, k, y)
+                            if (height < 0.0) & (speed < 0.0) & (not held):
+                                y = self._hit(planes, k, y, located == 1)
+                                held = planes[k, HOLDS] > 0.0
+                time += moved
+                left -= moved
+                part -= moved
+                if part <= 1e-9 * interval / steps:
+                    part = interval / steps
+                if not self._finite(y):
+                    lives = False
+                while lives & ((left <= 1e-9 * interval) | held):
+                    for c in ti.static(range(3)):
+                        out[frame, i, c] = y[c]
+                    frame += 1
+                    left, part = interval, interval / steps
+                    lives = (frame < frames[i]) & self._within(box, y)
+            tried[i] = tries
+
+    @ti.func
+    def _error(self, i, rows: ti.template(), y, new, h):
+        """The root mean square over the components of the error of a step, relative to coordinates above 1."""
+        fine, coarse = 0.0 * h, 0.0 * h
+        for c in ti.static(range(self.components)):
+            scale = ti.max(1.0, ti.max(abs(y[c]), abs(new[c])))
+            first, second = 0.0 * h, 0.0 * h
+            for s in range(rows.shape[0]):
+                first += rows[s, ERROR] * self.slopes[i, s, c]
+                second += rows[s, COARSE] * self.slopes[i, s, c]
+            fine += (h * first / scale) ** 2
+            coarse += (h * second / scale) ** 2
+        fine, coarse = ti.sqrt(fine / 6.0), ti.sqrt(coarse / 6.0)
+        if coarse > 0.0:
+            fine = fine * fine / (ti.sqrt(fine * fine + 0.01 * coarse * coarse) + 1e-300)
+        return fine
+
+    @ti.func
+    def _height(self, planes: ti.template(), k, y):
+        """Above a plane, m, and its rate of change, m/s; what has no velocity always goes down."""
+        height, speed = -planes[k, OFFSET], 0.0 * y[0]
+        for c in ti.static(range(3)):
+            height += planes[k, NORMAL + c] * y[c]
+            speed += planes[k, NORMAL + c] * y[c + 3]
+        if ti.static(self.components == 3):
+            speed = -1.0
+        return height, speed
+
+    @ti.func
+    def _hit(self, planes: ti.template(), k, y, rests):
+        """A state put onto a plane, and turned round or stopped."""
+        height, speed = self._height(planes, k, y)
+        after = y
+        impulse = ti.max(0.0, -(1.0 + (0.0 if rests else planes[k, RESTITUTION])) * speed)
+        along = 0.0 * y[0]
+        for c in ti.static(range(3)):
+            after[c] = y[c] - height * planes[k, NORMAL + c]
+            along += (y[c + 3] + impulse * planes[k, NORMAL + c]) * planes[k, NORMAL + c]
+        sliding = ti.Vector([y[c + 3] + (impulse - along) * planes[k, NORMAL + c] for c in range(3)])
+        kept = ti.max(0.0, 1.0 - planes[k, COULOMB] * impulse / (sliding.norm() + 1e-300))
+        kept = kept * ti.exp(-planes[k, VISCOUS] * impulse)
+        if ti.static(self.components == 6):
+            for c in ti.static(range(3)):
+                turned = along * planes[k, NORMAL + c] + kept * sliding[c]
+                after[c + 3] = ti.select(planes[k, HOLDS] > 0.0, 0.0, turned)
+        return after
+
+    @ti.func
+    def _finite(self, y):
+        finite = True
+        for c in ti.static(range(IDLE)):
+            finite = finite & (abs(y[c]) < 1e300)
+        return finite
+
+    @ti.func
+    def _within(self, box: ti.template(), y):
+        inside = True
+        for c in ti.static(range(3)):
+            inside = inside & (y[c] >= box[0, c]) & (y[c] <= box[1, c])
+        return inside
+
+
+@ti.func
+def _crossing(above, rise, below):
+    """Where in a step a height, c ≥ 0 at first and d < 0 at last, is zero: of the parabola that begins with a slope."""
+    bend = below - above - rise
+    root = ti.sqrt(ti.max(rise * rise - 4.0 * bend * above, 0.0))
+    share = 2.0 * above / ti.max(root - rise, 1e-300)
+    if rise > 0.0:
+        share = (rise + root) / ti.max(-2.0 * bend, 1e-300)
+    return ti.min(ti.max(share, 0.0), 1.0)
+
+
+def _table(scheme: Explicit) -> tuple[Doubles, Doubles, float, float]:
+    """A scheme as data: weights of slopes in stages, its rows, the last drift, and the exponent of its control."""
+    if isinstance(scheme, Splitting):
+        kicks, drift = [], 0.0
+        for move, share in scheme.moves:
+            if move == "drift":
+                drift += share
+            else:
+                kicks.append((share, 0.0, 0.0, 0.0, drift))
+                drift = 0.0
+        return np.zeros((1, 1)), np.array(kicks), drift, 0.0
+    stages = len(scheme.b)
+    weights, rows = np.zeros((stages, stages)), np.zeros((stages, 5))
+    for s, row in enumerate(scheme.a):
+        weights[s, : len(row)] = row
+    rows[:, WEIGHT], rows[:, TIME] = scheme.b, scheme.c
+    if not isinstance(scheme, AdaptiveRungeKutta):
+        return weights, rows, 0.0, 0.0
+    rows[:, ERROR] = scheme.error
+    if scheme.coarse_error is not None:
+        rows[:, COARSE] = scheme.coarse_error
+    return weights, rows, 0.0, scheme.exponent

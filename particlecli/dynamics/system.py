@@ -1,0 +1,321 @@
+"""System: a plan brought to life. Advances the particles from frame to frame; the solver interface."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NoReturn
+
+import numpy as np
+import taichi as ti
+from numpy.typing import NDArray
+
+from particlecli.dynamics.births import BirthTable, ParticleBirths
+from particlecli.dynamics.coupled.pins import at_start
+from particlecli.dynamics.coupled.system import CoupledSystem
+from particlecli.dynamics.fixed import FixedGroup
+from particlecli.dynamics.flows import flow_terms
+from particlecli.dynamics.forces import force_term
+from particlecli.dynamics.group import Group
+from particlecli.dynamics.group_plan import GroupPlan, medium
+from particlecli.dynamics.kinship import by_generation
+from particlecli.dynamics.motion import Motion
+from particlecli.dynamics.offspring import Offspring
+from particlecli.dynamics.outcome import Outcome
+from particlecli.dynamics.plan import Plan
+from particlecli.errors import SimulationError
+from particlecli.frame import Floats, Frame, GroupFrame
+from particlecli.scene.groups import Emitter, Particles
+
+OPTIONAL_FIELDS = frozenset({"velocities", "ages", "lifetimes", "temperatures"})
+
+BIRTHS_AT_A_TIME = 1 << 20
+"""Rows of a birth table drawn at once, so that tables of many millions need little memory."""
+
+
+class System:
+    """The particles of a scene in phase space.
+
+    As a first-order system dy/dt = f(y, t) it has the classic solver interface (Witkin & Baraff, Physically Based
+    Modeling): `dim`, `get_state`, `set_state`, `derivative`. Its state vector holds, group by group, the components
+    x, y, z[, u, v, w][, temperature] of all living particles, each component in one piece.
+
+    Args:
+        plan: what to build.
+        retraces: whether a particle that fails is followed once more step by step, to tell where it was last well.
+
+    Attributes:
+        plan: what was built.
+        groups: what moves, by name.
+        coupled: those among them whose particles act on each other, as one system; none if there are none.
+        fixed: the groups that rest in coordinate frames, by name.
+        time: s.
+        births: how many were born so far, by group.
+        deaths: how many died so far, by group and cause.
+        particle_steps: steps taken, summed over all particles.
+        evaluations: evaluations of the equations of motion, likewise.
+    """
+
+    def __init__(self, plan: Plan, *, retraces: bool = True) -> None:
+        self.plan = plan
+        self._retraces = retraces
+        self._real = ti.f64 if plan.scene.precision == "double" else ti.f32
+        self._flows = {name: flow_terms(terms, plan.scene.seed) for name, terms in plan.flows.items()}
+        self._place_tables()
+        self.groups = {group.name: self._group(group) for group in plan.groups}
+        bound = {name: group for name, group in self.groups.items() if group.plan.coupled}
+        self.coupled = CoupledSystem(bound, plan.couplings, self._real) if bound else None
+        self._offspring = self._make_offspring()
+        self._order = [name for name in by_generation(plan.scene) if name in self.groups]
+        self.fixed = {name: FixedGroup(plan.scene, name) for name in plan.fixed}
+        self.restart()
+
+    def restart(self) -> None:
+        """Go back to t = 0, to the particles that are there from the beginning."""
+        self.time = 0.0
+        self.particle_steps = 0
+        self.evaluations = 0
+        self.births = dict.fromkeys(self.plan.scene.groups, 0)
+        self.births |= {name: group.count for name, group in self.fixed.items()}
+        self.deaths: dict[str, dict[str, int]] = {name: {} for name in self.plan.scene.groups}
+        for name, group in self.groups.items():
+            group.state.count = 0
+            births = group.plan.births
+            if isinstance(births, ParticleBirths):
+                for first in range(0, births.total, BIRTHS_AT_A_TIME):
+                    table = births.table(first, min(first + BIRTHS_AT_A_TIME, births.total))
+                    self._bear(name, at_start(group.plan, table))
+        self._born_until = -np.inf
+        if self.coupled:
+            self.coupled.restart()
+
+    def _place_tables(self) -> None:
+        for terms in self._flows.values():
+            for term in terms:
+                if term.table is not None:
+                    term.rows = ti.field(self._real, shape=term.table.shape)
+                    term.rows.from_numpy(term.table.astype(np.float64 if self._real == ti.f64 else np.float32))
+
+    def _group(self, plan: GroupPlan) -> Group:
+        motion = Motion(
+            flows=[self._flows[name] for name in plan.flows],
+            forces=[force_term(force, self.plan.scene.frames) for force in plan.forces],
+            media=[None if (flow := medium(force)) is None else plan.flows.index(flow) for force in plan.forces],
+            carrier=None if plan.carrier is None else plan.flows.index(plan.carrier),
+        )
+        return Group(plan, motion, self._real)
+
+    def _make_offspring(self) -> dict[str, Offspring]:
+        births = {name: group.plan.births for name, group in self.groups.items()}
+        parents = dict.fromkeys(brood.parent for brood in self.plan.broods)
+        return {
+            name: Offspring(self.groups[name], [each for each in self.plan.broods if each.parent == name], births)
+            for name in parents
+        }
+
+    @property
+    def alive(self) -> int:
+        """How many particles are alive."""
+        moving = sum(group.state.count for group in self.groups.values())
+        return moving + sum(group.count for group in self.fixed.values())
+
+    def compile(self) -> None:
+        """Compile the kernels that frames need, so that their time can be told apart."""
+        for group in self.groups.values():
+            if not group.plan.coupled:
+                group.compile()
+        if self.coupled:
+            self.coupled.compile()
+
+    def advance(self, until: float) -> None:
+        """Advance from the present time to `until`, s, in the plan's number of equal steps.
+
+        Raises:
+            SimulationError: a particle is not finite any more.
+        """
+        interval = until - self.time
+        for name, group in self.groups.items():
+            if not isinstance(group.plan.births, ParticleBirths):
+                self._bear(name, group.plan.births.between(self._born_until, until))
+        self._born_until = until
+        if interval > 0:
+            steps = self.plan.steps_per_frame
+            for name in self._order:
+                group = self.groups[name]
+                if group.state.count and not group.plan.coupled:
+                    offspring = self._offspring.get(name)
+                    if offspring:
+                        offspring.begin()
+                    self._note(name, group, group.advance(self.time, interval, steps), interval)
+            if self.coupled:
+                for name, outcome in self.coupled.advance(self.time, interval, steps).items():
+                    self._note(name, self.groups[name], outcome, interval)
+        self.time = until
+
+    def _note(self, name: str, group: Group, outcome: Outcome, interval: float) -> None:
+        """Take note of what became of a group in an interval."""
+        self.particle_steps += outcome.steps
+        self.evaluations += outcome.evaluations
+        if outcome.failed_slot is not None:
+            self._fail(group, outcome.failed_slot, interval)
+        if name in self._offspring:
+            for child, table in self._offspring[name].born(self.time):
+                self._bear(child, table)
+        if outcome.died:
+            for cause, number in group.state.bury().items():
+                self.deaths[name][cause] = self.deaths[name].get(cause, 0) + number
+
+    def _bear(self, name: str, table: BirthTable) -> None:
+        """Put newborn particles behind the living; their age is negative until they are born."""
+        if len(table.ids) == 0:
+            return
+        group = self.groups[name]
+        count = len(table.ids)
+        if group.state.count + count > group.state.capacity:
+            raise SimulationError(
+                f"group {name}: {group.state.count + count:,} particles would be alive at t = {self.time:.6g} s, "
+                f"but the scene was planned for at most {group.state.capacity:,}"
+            )
+        group.state.append(columns_of(table, self.time))
+        self.births[name] += count
+
+    def frame(self, index: int, fields: Mapping[str, frozenset[str]] | None = None) -> Frame:
+        """The present state as plain arrays, a copy; `fields` as in `Simulation`."""
+        groups = {
+            name: self._group_frame(name, OPTIONAL_FIELDS if fields is None else fields.get(name, frozenset()))
+            for name in self.plan.scene.groups
+        }
+        return Frame(index=index, time=self.time, groups=groups)
+
+    def _group_frame(self, name: str, fields: frozenset[str]) -> GroupFrame:
+        if name in self.fixed:
+            return self.fixed[name].frame(self.time, fields)
+        group = self.groups.get(name)
+        if group is None:
+            return _nobody(self.plan.scene.groups[name], fields)
+        state = group.state
+        lifetime = self.plan.scene.groups[name].lifetime
+        wanted = {"u": "velocities", "v": "velocities", "w": "velocities"}
+        wanted |= {"age": "ages", "lifetime": "lifetimes", "temperature": "temperatures"}
+        names = ("x", "y", "z", *(each for each, field in wanted.items() if field in fields and group.has(each)))
+        block, numbers = state.read_both(names, ("id",) if group.has("id") else ())
+        rows: dict[str, Floats] = dict(zip(names, block, strict=True))
+
+        def row(each: str, otherwise: float | None) -> Floats | None:
+            if wanted[each] not in fields or (each not in rows and otherwise is None):
+                return None
+            return rows[each] if each in rows else np.full(state.count, otherwise, dtype=state.real_dtype)
+
+        return GroupFrame(
+            ids=numbers[0].astype(np.int64) if len(numbers) else np.arange(state.count),
+            positions=block[:3].T,
+            velocities=block[3:6].T if "u" in rows else None,
+            ages=row("age", self.time),
+            lifetimes=row("lifetime", lifetime if isinstance(lifetime, int | float) else None),
+            temperatures=row("temperature", None),
+        )
+
+    @property
+    def dim(self) -> int:
+        """Length of the state vector."""
+        return sum(len(group.plan.solver_components) * group.state.count for group in self.groups.values())
+
+    def get_state(self) -> NDArray[np.float64]:
+        """The state vector, shape (dim,)."""
+        parts = [group.state.read(group.plan.solver_components).ravel() for group in self.groups.values()]
+        return np.concatenate([np.empty(0), *parts]).astype(np.float64)
+
+    def set_state(self, state: NDArray[np.float64]) -> None:
+        """Replace the state vector; the population stays.
+
+        Raises:
+            ValueError: it does not have the shape (dim,).
+        """
+        if np.shape(state) != (self.dim,):
+            raise ValueError(f"the state vector has shape ({self.dim},), not {np.shape(state)}")
+        start = 0
+        for group in self.groups.values():
+            names = group.plan.solver_components
+            stop = start + len(names) * group.state.count
+            group.state.overwrite(names, state[start:stop].reshape(len(names), -1))
+            start = stop
+
+    def derivative(self, time: float) -> NDArray[np.float64]:
+        """dy/dt of the state vector at a time in s: velocities, accelerations, cooling; planes do not act here."""
+        coupled = self.coupled.derivative(time) if self.coupled else {}
+        parts = []
+        for name, group in self.groups.items():
+            if name not in coupled:
+                parts.append(group.derivative(time))
+                continue
+            parts.append(coupled[name])
+            if group.has("temperature"):
+                parts.append(group.derivative(time)[-1:])
+        return np.concatenate([np.empty(0), *(part.ravel() for part in parts)])
+
+    def _fail(self, group: Group, slot: int, interval: float) -> NoReturn:
+        """Retrace the last frame of the particle that failed, step by step, and stop with what was found."""
+        steps = self.plan.steps_per_frame
+        dt = interval / steps
+        if not self._retraces:
+            until = self.time + interval
+            raise SimulationError(f"group {group.plan.name}: not finite any more before t = {until:.6g} s")
+        if self.coupled and group.plan.coupled:
+            last, s = group, self.coupled.retrace(self.time, interval, steps)
+        else:
+            last, s = self._retraced(group, slot, interval)
+        number = int(group.state.read(("id",))[0, slot]) if group.has("id") else slot
+        place = slot if last is group else 0
+        values = [(name, last.state.read((name,))[0, place]) for name in group.plan.motion_components]
+        well = ", ".join(f"{name} = {value:.6g}" for name, value in values)
+        raise SimulationError(
+            f"group {group.plan.name}, particle {number}: not finite any more after t = {self.time + s * dt:.6g} s "
+            f"(last good state: {well}). Try a smaller integrator.dt, a softening on forces that grow near a point, "
+            f"or drop such particles with dies: {{non_finite: true}}"
+        )
+
+    def _retraced(self, group: Group, slot: int, interval: float) -> tuple[Group, int]:
+        """A group of that particle alone where it was last well, and how many steps it took until then."""
+        steps = self.plan.steps_per_frame
+        dt = interval / steps
+        witness = Group(replace(group.plan, capacity=1), group.motion, self._real)
+        witness.state.append({name: group.state.read((name,))[0, slot : slot + 1] for name in group.plan.components})
+        for s in range(steps):
+            if witness.advance(self.time + s * dt, dt, 1).failed_slot is not None:
+                break
+        return witness, s
+
+
+def columns_of(table: BirthTable, time: float) -> dict[str, NDArray[Any]]:
+    """The state of newborn particles at a time in s, component by component; before its birth an age is negative."""
+    count = len(table)
+    columns = {"id": table.ids, "age": time - table.times}
+    columns |= {name: np.zeros(count) for name in ("fate", "pace", "impacts")}
+    columns |= dict(zip("xyz", table.positions, strict=True))
+    if table.velocities is not None:
+        columns |= dict(zip("uvw", table.velocities, strict=True))
+    return columns | {name: values for name, values in _properties(table).items() if values is not None}
+
+
+def _nobody(group: Particles | Emitter, fields: frozenset[str]) -> GroupFrame:
+    """The frame of a group into which no particle is ever born: every array is there, of no rows."""
+
+    def row(name: str, exists: bool) -> Floats | None:
+        return np.empty(0, np.float32) if exists and name in fields else None
+
+    moving = group.motion == "newtonian" and "velocities" in fields
+    return GroupFrame(
+        ids=np.empty(0, np.int64),
+        positions=np.empty((0, 3), np.float32),
+        velocities=np.empty((0, 3), np.float32) if moving else None,
+        ages=row("ages", True),
+        lifetimes=row("lifetimes", group.lifetime is not None),
+        temperatures=row("temperatures", group.temperature is not None),
+    )
+
+
+def _properties(table: BirthTable) -> dict[str, Floats | None]:
+    return {
+        "lifetime": table.lifetimes,
+        "temperature": table.temperatures,
+        "cooling_rate": table.cooling_rates,
+        "inverse_mass": None if table.masses is None else 1.0 / table.masses,
+    }

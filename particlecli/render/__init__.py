@@ -1,0 +1,1 @@
+"""From frames to pictures: camera, light, ground, tone. Never imports the dynamics."""

@@ -1,0 +1,161 @@
+"""Sorting discs by the bands of rows they touch, and drawing them with antialiased edges.
+
+The light of a disc is filtered with a quadratic B-spline, ¾ − d² near its middle, which keeps its energy and
+centroid exactly wherever it lies between pixels. A disc of the wanted radius R has the variance R²/4 and the
+filter ¼, so a disc of radius √(R² − 1) is filtered; below one pixel a point is left. Each band draws the rows
+of its own discs that lie in it, so bands never meet and all are drawn in parallel.
+"""
+
+import taichi as ti
+
+from particlecli.render.arrays import Integers, Rows, vec3, vec4
+from particlecli.render.binning import begin, clear_counts
+from particlecli.render.layout import BAND, MARGIN
+from particlecli.render.sprites import ENERGY, PACK, RADIUS, TINT, X, Y
+from particlecli.render.tasks import CHUNK, GRAIN, LANES
+
+FILTER = 1.5
+"""Reach of the filter, pixels."""
+
+SPAN_STEP = 0.6
+"""Greatest distance of the horizontal spans that a disc is made of, pixels."""
+
+
+@ti.func
+def _inner_radius(radius):
+    return ti.sqrt(ti.max(radius * radius - 1.0, 0.0))
+
+
+@ti.func
+def _sort(
+    place_of_bins, first, end, which, sprites: ti.template(), counts: ti.template(), records: ti.template(),
+    pitch, bands, placing: ti.template(),
+):  # fmt: skip
+    """Take discs to the bands they touch: count the records, or put them where the counts say."""
+    for i in range(first, end):
+        b, lane = i // PACK, i % PACK
+        radius = _inner_radius(sprites[which, RADIUS, b][lane])
+        x, y = sprites[which, X, b][lane] + MARGIN, sprites[which, Y, b][lane] + MARGIN
+        reach = radius + FILTER
+        inside = (x > -reach) & (x < pitch + reach) & (y > -reach) & (y < bands * BAND + reach)
+        if (sprites[which, ENERGY, b][lane] > 0.0) & inside:
+            top = ti.max(ti.cast(ti.floor(y - reach), ti.i32) // BAND, 0)
+            bottom = ti.min(ti.cast(ti.floor(y + reach), ti.i32) // BAND + 1, bands)
+            for k in range(place_of_bins + top, place_of_bins + bottom):
+                place = counts[k]
+                counts[k] = place + 1
+                if ti.static(placing):
+                    records[place] = vec4(x, y, radius, i)
+
+
+@ti.func
+def _filter(d):
+    """Quadratic B-spline at the pixels −1, 0 and 1 from the nearest one, for a point at d in −½..½."""
+    return vec3(0.5 * (0.5 - d) * (0.5 - d), 0.75 - d * d, 0.5 * (0.5 + d) * (0.5 + d))
+
+
+@ti.func
+def _filtered_before(u):
+    """Integral of the quadratic B-spline up to u."""
+    d = ti.min(ti.max(u, -FILTER), FILTER)
+    flank = ti.max(FILTER - ti.abs(d), 0.0)
+    outer = flank * flank * flank * (1.0 / 6.0)
+    inner = 0.5 + 0.75 * d - d * d * d * (1.0 / 3.0)
+    return ti.select(ti.abs(d) < 0.5, inner, ti.select(d < 0.0, outer, 1.0 - outer))
+
+
+@ti.func
+def _draw_point(light: ti.template(), start, pitch, top, x, y, color):
+    column, row = ti.cast(x + 0.5, ti.i32), ti.cast(y + 0.5, ti.i32)
+    across, down = _filter(x - column), _filter(y - row)
+    if (column >= 1) & (column < pitch - 1):
+        for j in ti.static(range(3)):
+            line = row + j - 1
+            if (line >= top) & (line < top + BAND):
+                for i in ti.static(range(3)):
+                    node = start + line * pitch + column + i - 1
+                    light[node] = light[node] + color * (down[j] * across[i])
+
+
+@ti.func
+def _draw_disc(light: ti.template(), start, pitch, top, x, y, radius, color):
+    spans = ti.cast(2.0 * radius / SPAN_STEP, ti.i32) + 2
+    step = 2.0 * radius / spans
+    area = 0.0
+    for k in range(spans):
+        offset = (k + 0.5) * step - radius
+        area = area + ti.sqrt(radius * radius - offset * offset)
+    for k in range(spans):
+        offset = (k + 0.5) * step - radius
+        half = ti.sqrt(radius * radius - offset * offset)
+        row = ti.cast(ti.floor(y + offset + 0.5), ti.i32)
+        if (row + 1 >= top) & (row - 1 < top + BAND):
+            down = _filter(y + offset - row) * (0.5 / area)
+            left = ti.max(ti.cast(ti.ceil(x - half - FILTER), ti.i32), 0)
+            right = ti.min(ti.cast(ti.floor(x + half + FILTER), ti.i32) + 1, pitch)
+            for column in range(left, right):
+                covered = _filtered_before(column - x + half) - _filtered_before(column - x - half)
+                for j in ti.static(range(3)):
+                    line = row + j - 1
+                    if (line >= top) & (line < top + BAND):
+                        node = start + line * pitch + column
+                        light[node] = light[node] + color * (covered * down[j])
+
+
+@ti.kernel
+def draw_discs(
+    first: ti.i32, end: ti.i32, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
+    room: ti.i32, pitch: ti.i32, bands: ti.i32, light: ti.template(), start: ti.i32, colors: Rows, halo: ti.f32,
+    counter: Integers,
+):  # fmt: skip
+    """Add discs to level 0 of a pyramid's light, from node `start` on, if there is room for their records.
+
+    A record is x, y, the radius of the filtered disc and the number of its sprite.
+
+    Args:
+        first, end: the first sprite of the set and the one behind the last.
+        which: the set.
+        sprites, records, counts, room: see `Store`.
+        colors: a tint's table.
+        halo: share of the light that forms a halo around each disc.
+        counter: shape (2,); the second number tells how many records it takes.
+    """
+    chunks = (end - first + CHUNK - 1) // CHUNK
+    counter[0] = 0
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            chunk = ti.atomic_add(counter[0], 1)
+            while chunk < chunks:
+                begins = first + chunk * CHUNK
+                ends = ti.min(end, begins + CHUNK)
+                clear_counts(chunk, bands, counts)
+                _sort(chunk * bands, begins, ends, which, sprites, counts, records, pitch, bands, False)
+                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        counter[1] = begin(chunks, bands, counts)
+        counter[0] = 0 if counter[1] <= room else chunks
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            chunk = ti.atomic_add(counter[0], 1)
+            while chunk < chunks:
+                begins = first + chunk * CHUNK
+                ends = ti.min(end, begins + CHUNK)
+                _sort(chunk * bands, begins, ends, which, sprites, counts, records, pitch, bands, True)
+                chunk = ti.atomic_add(counter[0], 1)
+    counter[0] = 0 if counter[1] <= room else bands
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            band = ti.atomic_add(counter[0], 1)
+            while band < bands:
+                for o in range(counts[chunks * bands + band], counts[chunks * bands + band + 1]):
+                    x, y, radius, number = records[o][0], records[o][1], records[o][2], ti.cast(records[o][3], ti.i32)
+                    b, at = number // PACK, number % PACK
+                    tint = ti.cast(sprites[which, TINT, b][at] + 0.5, ti.i32)
+                    color = vec4(colors[tint, 0], colors[tint, 1], colors[tint, 2], colors[tint, 3] * halo)
+                    color = color * sprites[which, ENERGY, b][at]
+                    if radius > 0.0:
+                        _draw_disc(light, start, pitch, band * BAND, x, y, radius, color)
+                    else:
+                        _draw_point(light, start, pitch, band * BAND, x, y, color)
+                band = ti.atomic_add(counter[0], 1)

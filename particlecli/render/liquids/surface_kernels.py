@@ -1,0 +1,175 @@
+"""Finding and lighting an isosurface, a band of rows by each worker."""
+
+import taichi as ti
+
+from particlecli.render.arrays import Ids, Integers, Row, Rows, vec4
+from particlecli.render.binning import begin, clear_counts
+from particlecli.render.liquids.density import (
+    BLUES,
+    FAR,
+    NEAR,
+    OWN,
+    PACK,
+    F,
+    Single,
+    climb,
+    enter,
+    farthest_of,
+    gather,
+    hidden,
+    limit_of,
+)
+from particlecli.render.liquids.lighting import COARSE, LINES, OPAQUE, ROWS, add_thickness, light
+from particlecli.render.liquids.records import EY, Y
+from particlecli.render.shot import lens_in
+from particlecli.render.tasks import CHUNK, GRAIN, LANES
+
+CLIMBS = 3
+"""Steps to the surface at most, before the one that lighting takes."""
+
+
+@ti.func
+def _take_to_bands(
+    chunk, count, ranked: ti.template(), rows: ti.template(), counts: ti.template(), order: ti.template(), bands,
+    placing: ti.template(),
+):  # fmt: skip
+    """Count a chunk's blobs by the bands that they touch, or list them where the counts say."""
+    for k in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
+        row = ti.cast(ranked[k], ti.i32)
+        reach, y = rows[row, EY], rows[row, Y]
+        if (reach > 0.0) & (y > -reach) & (y < bands * ROWS + reach):
+            first = ti.max(ti.cast(ti.floor(y - reach), ti.i32) // ROWS, 0)
+            end = ti.min(ti.cast(ti.floor(y + reach), ti.i32) // ROWS + 1, bands)
+            for band in range(first, end):
+                place = counts[chunk * bands + band]
+                counts[chunk * bands + band] = place + 1
+                if ti.static(placing):
+                    order[place] = row
+
+
+@ti.func
+def _empty(worker, cells: ti.template(), size, first: ti.template(), value):
+    """Set what a band keeps to a value, from one number to the last."""
+    for cell in range(size):
+        for number in ti.static(range(first, BLUES + 1)):
+            cells[worker, cell, number] = Single(value)
+
+
+@ti.func
+def _find(
+    first, end, order: ti.template(), rows: ti.template(), top, bottom, packs, size, worker, cells: ti.template(),
+    farthest: ti.template(), again: ti.template(), limits: ti.template(), level,
+):  # fmt: skip
+    """Climb to the surface, again where rays are in doubt, and gather what lighting takes, which is one more step."""
+    for cell in range(size):
+        again[worker, cell] = 1
+    doubtful = 1
+    for turn in range(CLIMBS + 1):
+        if (doubtful != 0) | (turn == CLIMBS):
+            for cell in range(size):
+                near = cells[worker, cell, NEAR]
+                most = farthest_of(ti.select(near < 0.5 * FAR, near, -FAR))
+                farthest[worker, cell] = most if (again[worker, cell] != 0) | (turn == CLIMBS) else -FAR
+            _empty(worker, cells, size, F, 0.0)
+            for pack in range(packs):
+                limits[worker, pack] = limit_of(pack, packs, bottom - top, worker, farthest)
+            for o in range(first, end):
+                if not hidden(order[o], rows, packs, worker, limits):
+                    gather(order[o], rows, top, bottom, packs, worker, cells, farthest, turn == CLIMBS)
+        if turn < CLIMBS:
+            doubtful = 0
+            for cell in range(size):
+                if again[worker, cell] != 0:
+                    again[worker, cell] = climb(worker, cell, cells, level, turn == CLIMBS - 1)
+                    doubtful |= again[worker, cell]
+
+
+@ti.kernel
+def draw_surface(
+    count: ti.i32, ranked: Ids, rows: Rows, counts: Integers, order: Integers, others: Integers, cells: ti.template(),
+    farthest: ti.template(), visits: ti.template(), limits: ti.template(), thick: ti.template(), width: ti.i32,
+    height: ti.i32, level: ti.f32, lowest: ti.f32, opacity_depth: ti.f32, metal: ti.f32, table: Rows, lens_row: Row,
+    lit: ti.template(), shape: ti.template(), counter: Integers,
+):  # fmt: skip
+    """Find and light the surface of blobs, if there is room in their order.
+
+    Args:
+        ranked: rows from near to far.
+        rows: see `records`.
+        counts: shape ((chunks + 1) bands + 1,), see `binning`.
+        order, others: rows by band, and those of them that are not hidden.
+        cells, farthest, visits, limits, thick: see `Room`.
+        level, lowest: τ, and 1 − q where a blob's density is too low to look for a surface there.
+        opacity_depth: optical depth of one blob.
+        metal: how much of a metal the liquid is.
+        table: see `material`.
+        lens_row: the camera.
+        lit, shape: see `Room`.
+    """
+    chunks, bands = (count + CHUNK - 1) // CHUNK, (height + ROWS - 1) // ROWS
+    counter[0] = 0
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            chunk = ti.atomic_add(counter[0], 1)
+            while chunk < chunks:
+                clear_counts(chunk, bands, counts)
+                _take_to_bands(chunk, count, ranked, rows, counts, order, bands, False)
+                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        counter[0] = 0 if begin(chunks, bands, counts) <= order.shape[0] else chunks
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            chunk = ti.atomic_add(counter[0], 1)
+            while chunk < chunks:
+                _take_to_bands(chunk, count, ranked, rows, counts, order, bands, True)
+                chunk = ti.atomic_add(counter[0], 1)
+    counter[0] = 0 if counts[chunks * bands + bands] <= order.shape[0] else bands
+    for lane in range(LANES):
+        if lane % GRAIN == 0:
+            worker, packs, lens = lane // GRAIN, (width + PACK - 1) // PACK, lens_in(lens_row)
+            squares = (width + COARSE - 1) // COARSE + 2
+            band = ti.atomic_add(counter[0], 1)
+            while band < bands:
+                top, bottom = band * ROWS, ti.min(band * ROWS + ROWS, height)
+                first, end = counts[chunks * bands + band], counts[chunks * bands + band + 1]
+                for node in range(top * width, bottom * width):
+                    shape[node] = vec4(0.0, 0.0, 0.0, FAR)
+                size = (bottom - top) * packs
+                if first < end:
+                    for cell in range(size):
+                        cells[worker, cell, NEAR] = Single(FAR)
+                        cells[worker, cell, OWN] = Single(FAR)
+                        farthest[worker, cell] = FAR
+                        visits[worker, cell] = 0
+                    for pack in range(packs):
+                        limits[worker, pack] = FAR
+                    met = first
+                    for o in range(first, end):
+                        row = order[o]
+                        if not hidden(row, rows, packs, worker, limits):
+                            enter(
+                                row, rows, top, bottom, packs, worker, cells, farthest, visits, limits, 1.0 - level,
+                                1.0 - lowest,
+                            )  # fmt: skip
+                            others[met] = row
+                            met += 1
+                    if opacity_depth < OPAQUE:
+                        for square in range(LINES * squares):
+                            thick[worker, square] = 0.0
+                        for o in range(first, end):
+                            add_thickness(order[o], rows, top, squares, worker, thick)
+                    _find(
+                        first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits,
+                        level,
+                    )  # fmt: skip
+                    for cell in range(size):
+                        if farthest[worker, cell] > -FAR:
+                            y, x = top + cell // packs, cell % packs * PACK
+                            for at in range(ti.min(PACK, width - x)):
+                                if (cells[worker, cell, NEAR][at] < 0.5 * FAR) & (cells[worker, cell, F][at] > 0.0):
+                                    light(
+                                        x + at, y, top, squares, cell, at, worker, cells, thick, table, lens, level,
+                                        opacity_depth, metal, y * width + x + at, lit, shape,
+                                    )  # fmt: skip
+                band = ti.atomic_add(counter[0], 1)

@@ -1,0 +1,98 @@
+"""Looks that show each particle by a picture that faces the camera: spheres and sprites."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from particlecli.frame import GroupFrame
+from particlecli.render.camera import View
+from particlecli.render.looks.body import Body, Subject
+from particlecli.render.particles import Particles
+from particlecli.render.shot import lens_row, paint_of
+from particlecli.render.solids.billboard_kernels import put_billboards
+from particlecli.render.solids.caps import TEXELS, cap
+from particlecli.render.solids.layer_kernels import BILLBOARDS
+from particlecli.render.solids.records import Rows
+from particlecli.render.solids.sheets import load_sheet
+
+Floats = NDArray[np.float32]
+
+
+class Billboards(Body):
+    """One row for each particle."""
+
+    kind = BILLBOARDS
+    spread = 1.0
+    pictures = 1
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self._colors = subject.colors
+        self._counter = np.zeros(1, np.int32)
+
+    def aim(self, view: View) -> Floats:
+        """Take a camera's view."""
+        style = self.subject.style.model_copy(update={"brightness": 1.0})
+        paint = paint_of(style, self.subject.tint, view)
+        self._position = view.position
+        self._shots = [np.concatenate([lens_row(view, at, self.subject.largest), paint]) for at in self._origins]
+        return np.zeros((0, 8), np.float32)
+
+    @property
+    def _origins(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self._position, np.zeros(3)
+
+    def room(self, group: GroupFrame) -> int:
+        """A row for each particle."""
+        return len(group)
+
+    def put(self, group: GroupFrame, rows: Rows) -> None:
+        """Add rows for a group."""
+        tint, style = self.subject.tint, self.subject.style
+        particles = Particles.of(group, tint, self._position, moving=False)
+        aged = particles.has_lifetimes and self.pictures > 1
+        put_billboards(
+            rows.take(particles.count), particles.count, *particles.arrays, particles.ids,
+            self._shots[particles.relative], self.planes, self.hiding, self._colors, self._counter, rows.rows,
+            rows.keys, particles.source(tint), self.subject.fades and particles.has_lifetimes, aged, self.place,
+            float(self.pictures), style.sheet_rate or 0.0, style.spin or 0.0, style.spin is not None, self.spread,
+        )  # fmt: skip
+
+
+class Spheres(Billboards):
+    """Lit balls, matt or clear, with a highlight and a rim that mirrors the surroundings."""
+
+    def aim(self, view: View) -> Floats:
+        """Take a camera's view."""
+        super().aim(view)
+        return cap(view, self.subject.light, self.subject.style.opacity)
+
+    def sheet(self) -> tuple[Floats, int]:
+        """No sheet, but the size of a cap."""
+        return np.zeros((0, 4), np.float32), TEXELS
+
+
+class Sprites(Billboards):
+    """Pictures of a sheet, by age."""
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self.spread = 1.0 if subject.style.spin is None else math.sqrt(2.0)
+        style, key = subject.style, f"look.groups.{subject.name}.sheet"
+        self._texels, self._size, self.pictures = load_sheet(
+            style.sheet or "smoke", style.grid or (1, 1), subject.folder, key
+        )
+
+    def sheet(self) -> tuple[Floats, int]:
+        """Its pictures."""
+        return self._texels, self._size
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Pictures follow the age, and so do turns."""
+        style, group = self.subject.style, self.subject.group
+        ageing = (self.pictures > 1 and group.lifetime is not None) or bool(style.spin or style.sheet_rate)
+        return super().needs | frozenset({"ages", "lifetimes"} if ageing else ())

@@ -1,0 +1,122 @@
+"""The layer that the bodies of a picture are drawn into, before it is laid over the light."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import taichi as ti
+from numpy.typing import NDArray
+
+from particlecli import runtime
+from particlecli.render.camera import View
+from particlecli.render.particles import Particles
+from particlecli.render.pyramid import Pyramid
+from particlecli.render.solids.draw import TILE
+from particlecli.render.solids.layer_kernels import DIGITS, TILE_NODES, draw_bodies, hide, lay
+from particlecli.render.solids.records import Rows
+from particlecli.render.sprites import Sprites
+from particlecli.render.tasks import CHUNK, WORKERS
+
+Floats = NDArray[np.float32]
+
+_FEWEST = 1 << 16
+
+
+class Fields:
+    """Room for a layer.
+
+    Attributes:
+        color: shape (pixels,) of 4: light of bodies, and the share of what is behind them that is seen.
+        depth: shape (pixels,), of what hides half of what is behind it, m.
+        tile_color, tile_depth: shape (workers · TILE_NODES,), the same of the tiles at which workers are.
+        still_open: shape (workers, TILE), a bit for each pixel of such a tile: what is behind it can be seen.
+    """
+
+    def __init__(self, pixels: int) -> None:
+        self.color, self.tile_color = (ti.field(ti.types.vector(4, ti.f32)) for _ in range(2))
+        self.depth, self.tile_depth = (ti.field(ti.f32) for _ in range(2))
+        builder = ti.FieldsBuilder()
+        self.still_open = ti.field(ti.u32)
+        for size, fields in (
+            (pixels, (self.color, self.depth)),
+            (WORKERS * TILE_NODES, (self.tile_color, self.tile_depth)),
+        ):
+            for field in fields:
+                builder.dense(ti.i, size).place(field)
+        builder.dense(ti.ij, (WORKERS, TILE)).place(self.still_open)
+        builder.finalize()
+
+
+@cache
+def _fields(epoch: int, pixels: int) -> Fields:  # noqa: ARG001 - a restart frees all fields
+    return Fields(pixels)
+
+
+class Layer:
+    """The bodies of one picture.
+
+    Args:
+        width, height: of the picture.
+        looks: shape (looks, 5), see `layer_kernels.draw_bodies`.
+        sheets: texels of all sheets, shape (texels, 4).
+        kinds: which kinds of bodies there are.
+        numbers: in a row of a body.
+    """
+
+    def __init__(
+        self, width: int, height: int, looks: Floats, sheets: Floats, kinds: Sequence[int], numbers: int
+    ) -> None:  # fmt: skip
+        self.rows = Rows(numbers)
+        self.looks, self.caps = looks, np.zeros((1, 8), np.float32)
+        self.fields = _fields(runtime.epoch(), max(_FEWEST, 1 << (width * height - 1).bit_length()))
+        self._width, self._height, self._sheets, self._kinds = width, height, sheets, tuple(kinds)
+        self._records = np.empty((1, numbers + 1), np.float32)
+        self._keys, self._order = np.empty(1, np.int32), np.empty((2, 1), np.int32)
+        self._boxes = np.empty((1, 2), np.int32)
+        self._digits = np.empty((WORKERS, 2 * DIGITS), np.int32)
+        self._counter = np.zeros(1, np.int32)
+
+    def draw(self) -> None:
+        """Draw the bodies that have rows; what was drawn before is gone."""
+        count = self.rows.count
+        tiles = -(-self._width // TILE) * -(-self._height // TILE)
+        counts = np.empty((-(-count // CHUNK) + 1) * tiles + 1, np.int32)
+        if len(self._boxes) < count:
+            self._boxes = np.empty((count, 2), np.int32)
+        self._reserve(count)
+        self._draw(counts)
+        if counts[-1] > len(self._records):
+            self._reserve(int(1.25 * counts[-1]))
+            self._draw(counts)
+
+    def _draw(self, counts: NDArray[np.int32]) -> None:
+        fields = self.fields
+        draw_bodies(
+            self.rows.count, self.rows.rows, self.rows.keys, self._boxes, counts, self._records, self._keys,
+            self._order, self._digits, self._width, self._height, fields.color, fields.depth, fields.tile_color,
+            fields.tile_depth, fields.still_open, self.looks, self.caps, self._sheets, self._counter, self._kinds,
+            self._records.shape[1] - 1,
+        )  # fmt: skip
+
+    def _reserve(self, count: int) -> None:
+        if len(self._records) < count:
+            self._records = np.empty((count, self._records.shape[1]), np.float32)
+            self._keys, self._order = np.empty(count, np.int32), np.empty((2, count), np.int32)
+
+    def lay(self, pyramid: Pyramid, sky: Floats, cover: Floats) -> None:
+        """Lay the bodies over a picture's light, and over how much of sky and ground is seen of each pixel."""
+        finest = pyramid.levels[0]
+        lay(
+            self.fields.color, pyramid.arena.light, self._counter, finest.origin, finest.pitch, self._width,
+            self._height, sky, cover,
+        )  # fmt: skip
+
+    def hide(self, sprites: Sprites, first: int, count: int, particles: Particles, view: View) -> None:
+        """Dim `count` sprites, which are of the particles from the `first` on, where bodies are before them."""
+        origin = np.zeros(3) if particles.relative else view.position
+        hide(
+            first, count, particles.positions, *origin.tolist(), *view.forward.tolist(), self._width, self._height,
+            self.fields.color, self.fields.depth, sprites.store.sprites, self._counter,
+        )  # fmt: skip

@@ -1,0 +1,296 @@
+"""The estimated error of a run: near the true one, honest where there is none to be had, and without a trace."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from particlecli.accuracy.estimate import ErrorEstimate
+from particlecli.accuracy.trial import Pace, Trial, trial_plan
+from particlecli.dynamics.rerun import Stretch, rerun
+from particlecli.render.camera import View
+from particlecli.runtime import start
+from particlecli.scene.load import load_scene
+from particlecli.simulate import Simulation
+from tests.dynamics.scenes import body, scene
+
+PROBLEMS = Path(__file__).parents[2] / "scenes" / "reference"
+WITHIN = 3.0
+"""The factor within which an estimate is to be right."""
+
+
+def view_of(described):
+    return View.of(described.camera, *described.camera.resolution)
+
+
+def estimated(described, threads=1):
+    """The estimate of a run, and its record of all particles at all frames."""
+    simulation = Simulation(described, threads=threads)
+    estimate = ErrorEstimate(simulation, lambda _: view_of(described))
+    frames = []
+    for frame in simulation:
+        estimate.watch(frame)
+        frames.append(frame)
+    return estimate.result(), frames, simulation
+
+
+def truth(described):
+    """Where all particles are at all frames, as well as double precision tells."""
+    located = described.integrator.model_copy(update={"contact": "located"})
+    start("double", 1)
+    plan = trial_plan(described.model_copy(update={"integrator": located}), "dop853", "double", 10**6)
+    ids = {group.name: np.arange(group.births.total) for group in plan.groups}
+    return Trial(plan, ids, measures_energy=False).run(Pace(tolerance=1e-13)).tracks
+
+
+def true_size(frames, tracks, name):
+    """The 95th percentile over particles and frames."""
+    apart = []
+    for frame in frames[1:]:
+        group = frame.groups[name]
+        apart.append(np.linalg.norm(group.positions - tracks[name].positions[frame.index, group.ids], axis=1))
+    together = np.concatenate(apart)
+    return np.quantile(together[~np.isnan(together)], 0.95)
+
+
+CALIBRATION = [
+    # a problem, how it is integrated
+    ("kepler", "integrator={type: rk4, dt: 0.002}"),
+    ("bouncing_ball", "integrator.contact=end_of_step"),
+    ("figure_eight", "integrator={type: velocity_verlet, dt: 0.002}"),
+]
+
+MORE = [
+    ("kepler", "integrator={type: velocity_verlet, dt: 0.0005}"),
+    ("linear_drag", "integrator.type=euler"),
+    ("kepler", "integrator={type: dormand_prince, tolerance: 1e-6}"),
+    ("double_gyre", "integrator={type: rk3, dt: 0.1}"),
+    ("flat_slide", "integrator.contact=end_of_step"),
+    ("damped_oscillator", "integrator={type: trapezoidal, dt: 0.01}"),
+    ("henon_heiles", "integrator={type: yoshida4, dt: 0.1}"),
+    ("arenstorf", "integrator.tolerance=1e-9"),
+    ("abc_flow", "integrator.type=midpoint"),
+    ("spring_pendulum_1e4", "integrator={type: implicit_midpoint, dt: 0.01}"),
+    ("quadratic_drag", "integrator={type: rk4, dt: 0.02}"),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "change"), [*CALIBRATION, *(pytest.param(*row, marks=pytest.mark.slow) for row in MORE)]
+)
+def test_estimates_are_near_the_true_error_on_reference_problems(name, change):
+    described = load_scene(PROBLEMS / f"{name}.yaml", [change])
+    tracks = truth(described)
+    errors, frames, _ = estimated(described)
+    assert errors
+    for group, error in errors.items():
+        assert error.trend in ("converging", "irregular")
+        true = true_size(frames, tracks, group)
+        assert true / WITHIN < error.metres.p95 < WITHIN * true
+
+
+SPARKS = {
+    "duration": 2,
+    "fps": 10,
+    "seed": 3,
+    "emitters": {
+        "sparks": {
+            "rate": 400,
+            "speed": {"uniform": [2, 6]},
+            "direction": {"spread": 50},
+            "mass": {"uniform": [0.5, 2]},
+            "lifetime": {"uniform": [0.3, 0.9]},
+        }
+    },
+    "flows": {"wind": [{"type": "vortex", "circulation": 9, "core": 0.5}]},
+    "forces": [{"type": "gravity"}, {"type": "drag", "coefficient": 2, "flow": "wind"}],
+    "planes": [{"normal": [0, 1, 0], "restitution": 0.5, "friction": 0.2}],
+    "integrator": {"type": "midpoint", "dt": 0.05},
+    "camera": {"position": [0, 1, 8], "look_at": [0, 1, 0], "resolution": [640, 360]},
+}
+
+
+@pytest.fixture(scope="module")
+def sparks():
+    described = scene(**SPARKS)
+    tracks = truth(described)
+    return described, tracks, *estimated(described)
+
+
+def test_a_sample_stands_for_all_particles_in_metres_and_pixels(sparks):
+    described, tracks, errors, frames, _ = sparks
+    error = errors["sparks"]
+    true = true_size(frames, tracks, "sparks")
+    assert error.trend == "converging"
+    assert error.sampled < 100 < len(tracks["sparks"].ids)
+    assert true / WITHIN < error.metres.p95 < WITHIN * true
+    assert error.metres.largest >= error.metres.p95
+    pixel = 8 / view_of(described).focal
+    assert error.pixels is not None
+    assert 0.5 < error.pixels.p95 * pixel / error.metres.p95 < 2.0
+    assert error.alone < 0.05
+    assert error.over_time.times == tuple(frame / described.fps for frame in error.over_time.frames)
+    for index, value in zip(error.over_time.frames, error.over_time.values, strict=True):
+        true = true_size([frames[0], frames[index]], tracks, "sparks")
+        assert true / WITHIN < value < WITHIN * true
+
+
+def test_estimating_leaves_no_trace_and_can_be_repeated(sparks):
+    _, _, errors, frames, simulation = sparks
+    again = simulation.system.frame(len(frames) - 1)
+    for name, group in again.groups.items():
+        np.testing.assert_array_equal(group.positions, frames[-1].groups[name].positions)
+        np.testing.assert_array_equal(group.ids, frames[-1].groups[name].ids)
+        np.testing.assert_array_equal(group.ages, frames[-1].groups[name].ages)
+    other, _, _ = estimated(scene(**SPARKS), threads=2)
+    assert other == errors
+
+
+def test_a_rerun_in_the_same_steps_gives_the_same_positions(sparks):
+    _, _, _, frames, simulation = sparks
+    group = simulation.system.groups["sparks"]
+    ids = np.arange(5, 60, 4)
+    stretches = [Stretch(frame.time, simulation.plan.steps_per_frame) for frame in frames[1:]]
+    found = rerun(group, group.plan.births.of(ids), stretches)
+    for index, frame in enumerate(frames[1:]):
+        there = frame.groups["sparks"]
+        both = np.intersect1d(ids, there.ids)
+        alive = ~np.isnan(found.positions[index, :, 0])
+        np.testing.assert_array_equal(ids[alive], both)
+        np.testing.assert_array_equal(
+            found.positions[index, alive], there.positions[np.searchsorted(there.ids, both)].astype(np.float64)
+        )
+
+
+def test_a_rerun_of_all_that_act_on_each_other_leaves_no_trace():
+    described = load_scene(PROBLEMS / "figure_eight.yaml", ["integrator={type: rk4, dt: 0.02}"])
+    errors, frames, simulation = estimated(described)
+    assert errors["stars"].trend == "converging"
+    system = simulation.system
+    assert (system.time, system.births, system.particle_steps > 0) == (frames[-1].time, {"stars": 3}, True)
+    again = system.frame(len(frames) - 1).groups["stars"]
+    np.testing.assert_array_equal(again.positions, frames[-1].groups["stars"].positions)
+    np.testing.assert_array_equal(again.velocities, frames[-1].groups["stars"].velocities)
+
+
+def test_chaos_is_called_chaos():
+    waves = [{"type": "abc", "amplitudes": [1.7, 1.4, 1]}]
+    dust = {"dust": {"motion": "first_order", "flow": "waves", "layout": GRID}}
+    carried = {"fps": 1, "flows": {"waves": waves}, "particles": dust, "integrator": {"type": "midpoint", "dt": 0.25}}
+    for duration, trend in ((80, "chaotic"), (4, "converging")):
+        errors, _, _ = estimated(scene(**{**carried, "duration": duration}))
+        assert errors["dust"].trend == trend
+
+
+GRID = {"type": "grid", "spacing": 0.7, "counts": [4, 4, 4]}
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_steps_lost_in_the_rounding_of_large_coordinates_are_told(precision):
+    far = {"far": body((1e6, 0, 0), (4, 0, 0))}
+    errors, frames, _ = estimated(
+        scene(
+            duration=4,
+            precision=precision,
+            particles=far,
+            forces=[{"type": "gravity"}],
+            integrator={"type": "rk4", "dt": 0.005},
+        )
+    )
+    true = abs(frames[-1].groups["far"].positions[0, 0] - (1e6 + 16))
+    error = errors["far"].metres.p95
+    if precision == "single":
+        assert true > 1
+        assert true / WITHIN < error < WITHIN * true
+        assert errors["far"].trend == "rounding"
+    else:
+        assert error < 1e-6
+
+
+def test_particles_alive_in_one_solution_alone_are_counted():
+    errors, _, _ = estimated(
+        scene(
+            duration=3,
+            flows={"out": [{"type": "expression", "velocity": ["1 + x", "0", "0"]}]},
+            emitters={
+                "dust": {
+                    "motion": "first_order",
+                    "flow": "out",
+                    "rate": 100,
+                    "dies": {"outside": {"min": [-1, -1, -1], "max": [3, 1, 1]}},
+                }
+            },
+            integrator={"type": "euler", "dt": 0.1},
+        )
+    )
+    assert 0.01 < errors["dust"].alone < 0.3
+
+
+def test_nothing_acts_nothing_errs_but_the_last_digit():
+    errors, _, _ = estimated(scene(particles={"stones": body((3, 0, 0), (1, 0, 0))}))
+    assert errors["stones"].trend == "rounding"
+    assert 0 < errors["stones"].metres.largest < 1e-6
+
+
+def test_there_is_nothing_to_estimate_in_a_single_frame():
+    assert estimated(scene(duration=0.01, particles={"stones": body((3, 0, 0), (1, 0, 0))}))[0] == {}
+
+
+def test_heavy_runs_of_few_particles_are_compared_with_longer_steps(monkeypatch):
+    from particlecli.accuracy import samples
+
+    monkeypatch.setattr(samples, "HEAVY", 100)
+    described = load_scene(PROBLEMS / "kepler.yaml", ["integrator={type: rk4, dt: 0.001}"])
+    tracks = truth(described)
+    errors, frames, _ = estimated(described)
+    error = errors["planet"]
+    true = true_size(frames, tracks, "planet")
+    assert error.trend == "unchecked"
+    assert true / WITHIN < error.metres.p95 < WITHIN * true
+
+
+SHELLS = {
+    "duration": 2,
+    "fps": 10,
+    "emitters": {
+        "shells": {
+            "rate": 30,
+            "direction": {"spread": 40},
+            "speed": {"uniform": [5, 9]},
+            "lifetime": {"uniform": [0.4, 0.9]},
+            "children": [
+                {"on": "death", "emitter": "stars", "count": 6, "inherit_velocity": 0.5},
+                {"on": "way", "emitter": "trail", "rate": 9},
+            ],
+        },
+        "stars": {
+            "direction": {"spread": 180},
+            "speed": 3,
+            "children": {"on": "way", "emitter": "dust", "rate": 3},
+        },
+        "trail": {"speed": 0},
+        "dust": {"speed": 0, "lifetime": 0.5},
+    },
+    "forces": [{"type": "gravity"}, {"type": "quadratic_drag", "coefficient": 0.3}],
+}
+
+
+def test_children_are_carried_again_with_their_parents():
+    errors, frames, simulation = estimated(scene(**SHELLS, integrator={"type": "euler", "dt": 0.02}))
+    again = simulation.system.frame(len(frames) - 1)
+    for name, group in again.groups.items():
+        np.testing.assert_array_equal(group.ids, frames[-1].groups[name].ids)
+        np.testing.assert_array_equal(group.positions, frames[-1].groups[name].positions)
+    exact = list(Simulation(scene(**SHELLS, integrator={"type": "rk4", "dt": 0.002}, precision="double"), threads=1))
+    for name in ("shells", "stars", "trail", "dust"):
+        apart = []
+        for run, best in zip(frames[1:], exact[1:], strict=True):
+            found, true = run.groups[name], best.groups[name]
+            _, here, there = np.intersect1d(found.ids, true.ids, return_indices=True)
+            apart.append(np.linalg.norm(found.positions[here] - true.positions[there], axis=1))
+        true = np.quantile(np.concatenate(apart), 0.95)
+        assert true / WITHIN < errors[name].metres.p95 < WITHIN * true, name
+        assert 0 < errors[name].sampled < simulation.births[name]
+    assert errors["stars"].trend == "unchecked"

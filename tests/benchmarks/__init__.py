@@ -1,0 +1,1 @@
+"""Benchmarks with their peers, all run by `python -m tests.benchmarks [NAME …]`."""
