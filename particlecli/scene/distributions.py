@@ -12,6 +12,9 @@ from particlecli.scene.types import KeyedError, Real, SceneModel, by_key, descri
 NEGLIGIBLE_SIGMAS = 6.0
 """A normal distribution is taken to stay within so many standard deviations (beyond: 1e-9 of the draws)."""
 
+LARGEST_LOGARITHM = 700.0
+"""A float64 and its inverse hold no larger logarithm."""
+
 
 class Uniform(SceneModel):
     """Every value between two ends equally likely."""
@@ -44,6 +47,8 @@ class Normal(SceneModel):
         if self.min is not None and self.max is not None and self.min >= self.max:
             raise KeyedError("min", "must be below max")
         lower, upper = self.support
+        if not math.isfinite(upper - lower):
+            raise KeyedError("normal", "reaches values that no number can hold")
         if lower > upper:
             raise KeyedError("normal", "min and max leave nothing of it within six standard deviations")
         return self
@@ -69,6 +74,9 @@ class LogNormal(SceneModel):
     def _positive(self) -> Self:
         if self.log_normal[0] <= 0 or self.log_normal[1] < 0:
             raise KeyedError("log_normal", "the median must be positive and the deviation not negative")
+        median, sigma = self.log_normal
+        if abs(math.log(median)) + NEGLIGIBLE_SIGMAS * sigma > LARGEST_LOGARITHM:
+            raise KeyedError("log_normal", "reaches values that no number can hold; the deviation is one of logarithms")
         return self
 
     @property

@@ -104,6 +104,8 @@ def test_a_scene(tmp_path: Path) -> None:
         ("emitters: {e: {rate: 1, mass: -1}}", 3, 31, "emitters.e.mass", "must be positive, and is -1"),
         ("emitters: {e: {rate: 1, mass: heavy}}", 3, 31, "emitters.e.mass", 'must be a number, not "heavy"'),
         ("emitters: {e: {rate: 1, mass: {uniform: [0, 1]}}}", 3, 25, "emitters.e.mass", "must be positive, and can be 0"),
+        ("emitters: {e: {rate: 1, mass: {log_normal: [1, 119]}}}", 3, 44, "emitters.e.mass.log_normal", "no number can hold"),
+        ("emitters: {e: {rate: 1, mass: {normal: [1, 1e308]}}}", 3, 40, "emitters.e.mass.normal", "no number can hold"),
         ("emitters: {e: {rate: 1, mass: {uniform: [2, 1]}}}", 3, 41, "emitters.e.mass.uniform", "the lower end"),
         ("emitters: {e: {rate: 1, mass: {uniform: 1}}}", 3, 41, "emitters.e.mass.uniform", "must be a list"),
         ("emitters: {e: {rate: 1, mass: {uniform: [1]}}}", 3, 41, "emitters.e.mass.uniform", "must be 2 numbers, not 1"),
