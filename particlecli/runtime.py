@@ -9,6 +9,9 @@ from typing import Any, Literal
 
 Precision = Literal["single", "double"]
 
+COMPILED_FOR = 8
+"""Kernels are compiled for so many threads, whatever fewer there are, so that all of them share the cache."""
+
 _started: tuple[Precision, int] | None = None
 _epoch = 0
 
@@ -39,6 +42,8 @@ def start(precision: Precision, threads: int | None = None) -> None:
             cfg_optimization=False,  # its passes took half the time of a compilation; LLVM does the same work later
             offline_cache=True,
         )
+        # The pool of threads exists by now and takes no more of them than it has.
+        ti.lang.impl.get_runtime().prog.config().cpu_max_num_threads = max(settings[1], COMPILED_FOR)
     if _epoch == 0:
         atexit.register(stop)  # Taichi writes its cache of kernels when it ends, and an exit may not end it
     _trace_fast()

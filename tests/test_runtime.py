@@ -36,8 +36,8 @@ outputs: [{type: trajectory, path: sparks.npz}]
 """
 
 
-def run(scene: Path, output: str, **settings: str) -> None:
-    command = [sys.executable, "-m", "particlecli", "run", str(scene), "-o", output, "--quiet"]
+def run(scene: Path, output: str, *options: str, **settings: str) -> None:
+    command = [sys.executable, "-m", "particlecli", "run", str(scene), "-o", output, "--quiet", *options]
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])} | settings
     subprocess.run(command, cwd=scene.parent, env=environment, check=True, capture_output=True)
 
@@ -47,6 +47,17 @@ def test_a_run_leaves_its_kernels_to_the_next(tmp_path: Path) -> None:
     cache = tmp_path / "cache"
     run(tmp_path / "scene.yaml", "out", TI_OFFLINE_CACHE_FILE_PATH=str(cache))
     assert list(cache.glob("*.tic"))
+
+
+def test_runs_on_other_numbers_of_threads_find_the_same_kernels(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    cache = tmp_path / "cache"
+    kept = []
+    for threads in ("1", "3"):
+        run(tmp_path / "scene.yaml", "out", "--threads", threads, TI_OFFLINE_CACHE_FILE_PATH=str(cache))
+        kept.append({path.name for path in cache.glob("*.tic")})
+    assert kept[0]
+    assert kept[0] == kept[1]
 
 
 def test_kernels_compiled_with_all_passes_compute_the_same_bits(tmp_path: Path) -> None:
