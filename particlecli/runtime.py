@@ -1,10 +1,17 @@
-"""The Taichi runtime: the only place that starts it. One a process; a second start with other settings resets it."""
+"""The Taichi runtime: the only place that starts it. One a process; a second start may reset it.
+
+Taichi numbers fields from its start on and compiles the numbers into kernels. A system that is built in a fresh runtime
+finds the kernels of an earlier one like it in the cache; built after that one, it would compile all of them again. So a
+runtime that nothing uses any more is started afresh.
+"""
 
 import atexit
 import contextlib
+import gc
 import io
 import os
 import warnings
+import weakref
 from typing import Any, Literal
 
 Precision = Literal["single", "double"]
@@ -14,20 +21,22 @@ COMPILED_FOR = 8
 
 _started: tuple[Precision, int] | None = None
 _epoch = 0
+_users: weakref.WeakSet[object] = weakref.WeakSet()
+_worn = False
 
 
 def start(precision: Precision, threads: int | None = None) -> None:
-    """Start Taichi on the CPU, silently; does nothing when it already runs with these settings.
+    """Start Taichi on the CPU, silently; does nothing when it already runs with these settings and is in use.
 
-    A restart with other settings invalidates every field and kernel made before.
+    A restart invalidates every field and kernel made before; with other settings also those in use.
 
     Args:
         precision: type of floating-point literals in kernels: f32 for "single", f64 for "double".
         threads: worker threads; none for one a core.
     """
-    global _epoch, _started
+    global _epoch, _started, _worn
     settings = (precision, threads or os.cpu_count() or 1)
-    if settings == _started:
+    if settings == _started and not _abandoned():
         return
     os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
     os.environ["TI_LOG_LEVEL"] = "error"
@@ -51,6 +60,27 @@ def start(precision: Precision, threads: int | None = None) -> None:
     warnings.filterwarnings("ignore", message=".*List is a built-in.*")
     _started = settings
     _epoch += 1
+    _users.clear()
+    _worn = False
+
+
+def use(user: object, *, wears: bool = False) -> None:
+    """Let the runtime go on with the same settings as long as an object lives, which has fields.
+
+    Args:
+        user: the object.
+        wears: whether its kernels are compiled for its fields alone, so that a fresh runtime is worth its start.
+    """
+    global _worn
+    _users.add(user)
+    _worn = _worn or wears
+
+
+def _abandoned() -> bool:
+    """Whether systems were built, and nothing that has fields lives any more."""
+    if _worn and _users:
+        gc.collect()
+    return _worn and not _users
 
 
 def _trace_fast() -> None:

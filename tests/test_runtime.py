@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 SCENE = """
 duration: 0.1
@@ -58,6 +59,35 @@ def test_runs_on_other_numbers_of_threads_find_the_same_kernels(tmp_path: Path) 
         kept.append({path.name for path in cache.glob("*.tic")})
     assert kept[0]
     assert kept[0] == kept[1]
+
+
+AGAIN_AND_AGAIN = """
+import sys
+from pathlib import Path
+from particlecli.scene.load import load_scene
+from particlecli.simulate import Simulation
+
+kept = []
+for _ in range(int(sys.argv[1])):
+    simulation = Simulation(load_scene(Path("scene.yaml")))
+    list(simulation)
+    kept.append(simulation if "keep" in sys.argv else None)
+    del simulation
+"""
+
+
+@pytest.mark.parametrize("done", ["drop", "keep"])
+def test_a_scene_simulated_again_finds_its_kernels_unless_the_first_is_still_in_use(tmp_path: Path, done: str) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    counts = []
+    for times in ("1", "3"):
+        cache = tmp_path / times
+        settings = {"PYTHONPATH": str(Path(__file__).parents[1]), "TI_OFFLINE_CACHE_FILE_PATH": str(cache)}
+        command = [sys.executable, "-c", AGAIN_AND_AGAIN, times, done]
+        subprocess.run(command, cwd=tmp_path, env=os.environ | settings, check=True, capture_output=True)
+        counts.append(len(list(cache.glob("*.tic"))))
+    assert counts[0]
+    assert (counts[0] == counts[1]) == (done == "drop")
 
 
 def test_kernels_compiled_with_all_passes_compute_the_same_bits(tmp_path: Path) -> None:

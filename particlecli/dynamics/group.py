@@ -5,6 +5,7 @@ from itertools import accumulate
 import numpy as np
 import taichi as ti
 
+from particlecli import runtime
 from particlecli.dynamics.algebra import bound, choose, finite
 from particlecli.dynamics.deaths import Fate
 from particlecli.dynamics.group_lanes import GroupLanes
@@ -31,6 +32,7 @@ class Group:
     """
 
     def __init__(self, plan: GroupPlan, motion: Motion, real) -> None:
+        runtime.use(self)
         self.plan = plan
         self.real = real
         self.state = PackedState(plan.components, plan.capacity, real)

@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 from numpy.typing import NDArray
 
+from particlecli import runtime
 from particlecli.dynamics.algebra import bound
 from particlecli.dynamics.motion import Motion
 from particlecli.runtime import Precision
@@ -26,6 +27,7 @@ class Probe:
     """
 
     def __init__(self, motion: Motion, precision: Precision) -> None:
+        runtime.use(self)
         self.motion = motion
         self.real = ti.f64 if precision == "double" else ti.f32
         self.components = 3 if motion.first_order else 6

@@ -8,6 +8,7 @@ import numpy as np
 import taichi as ti
 from numpy.typing import NDArray
 
+from particlecli import runtime
 from particlecli.dynamics.births import BirthTable, ParticleBirths
 from particlecli.dynamics.coupled.pins import at_start
 from particlecli.dynamics.coupled.system import CoupledSystem
@@ -55,6 +56,7 @@ class System:
     """
 
     def __init__(self, plan: Plan, *, retraces: bool = True) -> None:
+        runtime.use(self, wears=True)
         self.plan = plan
         self._retraces = retraces
         self._real = ti.f64 if plan.scene.precision == "double" else ti.f32

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from particlecli import runtime
 from particlecli.frame import Frame
 from particlecli.render.arrays import vec4
 from particlecli.render.bodies import Bodies
@@ -36,6 +37,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int | None = None, height: int | None = None) -> None:
         """A picture of the scene's resolution unless `width` and `height` say otherwise."""
+        runtime.use(self)
         self.width = width or scene.camera.resolution[0]
         self.height = height or scene.camera.resolution[1]
         self._view_at = views_of(scene.camera, self.width, self.height, scene.frames)

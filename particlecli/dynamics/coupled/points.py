@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import taichi as ti
 
+from particlecli import runtime
 from particlecli.dynamics.group_plan import LANES
 
 
@@ -31,6 +32,7 @@ class Points:
     """
 
     def __init__(self, capacities: Mapping[str, int], real) -> None:
+        runtime.use(self, wears=True)
         self.names = tuple(capacities)
         self.real = real
         self.real_dtype = np.float64 if real == ti.f64 else np.float32
