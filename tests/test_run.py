@@ -104,7 +104,9 @@ def test_progress_counts_frames_and_particles(scene: Scene, options: RunOptions)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
-def test_stopped_run_leaves_nothing(scene: Scene, options: RunOptions, tmp_path: Path, error: type[BaseException]) -> None:
+def test_stopped_run_leaves_nothing(
+    scene: Scene, options: RunOptions, tmp_path: Path, error: type[BaseException]
+) -> None:
     with pytest.raises(error):
         run(scene, options, stop_at(3, error()))
     assert [path.name for path in tmp_path.iterdir()] == ["drops.yaml"]
