@@ -13,6 +13,7 @@ from particlecli.dynamics.group_plan import INTEGER_COMPONENTS, LANES, Constant,
 from particlecli.dynamics.group_rest import GroupRest
 from particlecli.dynamics.impact_record import ImpactRecord
 from particlecli.dynamics.march import March, Way
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.motion import Motion
 from particlecli.dynamics.outcome import CAREFULLY, DIED, FAILED, NOBODY, RESTING, Outcome, lowered_flags
 from particlecli.dynamics.state import PackedState
@@ -29,17 +30,18 @@ class Group:
         plan: what the group needs.
         motion: its equations of motion.
         real: type of its numbers, ti.f32 or ti.f64.
+        memory: of the system; the group is ready once that is open.
     """
 
-    def __init__(self, plan: GroupPlan, motion: Motion, real) -> None:
+    def __init__(self, plan: GroupPlan, motion: Motion, real, memory: FieldMemory) -> None:
         runtime.use(self)
         self.plan = plan
         self.real = real
-        self.state = PackedState(plan.components, plan.capacity, real)
+        self.state = PackedState(plan.components, plan.capacity, real, memory)
         self.motion = motion
         most = plan.bearing_impacts
-        self.impacts = ImpactRecord(self.state, most, real) if most else None
-        self.march = March(plan, motion, real, self.impacts)
+        self.impacts = ImpactRecord(self.state, most, real, memory) if most else None
+        self.march = March(plan, motion, real, self.impacts, memory)
         lists = [list(term.parameters()) for term in self.march.terms] + [list(plan.constants)]
         ends = list(accumulate(len(values) for values in lists))
         self.spans = [(end - len(values), end) for end, values in zip(ends, lists, strict=True)]
@@ -47,8 +49,7 @@ class Group:
             self.below = ti.field(ti.i32, shape=max(1, -(-plan.capacity // LANES)))
         self.lanes = GroupLanes(self)
         self.rest = GroupRest(self)
-        self.table = ti.field(real, shape=ends[-1])
-        self.table.from_numpy(np.concatenate(lists).astype(self.state.real_dtype))
+        self.table = memory.table(real, np.concatenate(lists))
 
     def has(self, component: str) -> bool:
         """Whether the group keeps this component for each particle."""

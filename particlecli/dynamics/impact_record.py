@@ -5,6 +5,7 @@ import taichi as ti
 from numpy.typing import NDArray
 
 from particlecli.dynamics.group_plan import LANES
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.state import PackedState
 
 COLUMNS = 7
@@ -19,12 +20,14 @@ class ImpactRecord:
         state: of the group, with a component "impacts".
         most: how many impacts of each particle are kept.
         real: type of its numbers.
+        memory: of the system.
     """
 
-    def __init__(self, state: PackedState, most: int, real) -> None:
+    def __init__(self, state: PackedState, most: int, real, memory: FieldMemory) -> None:
         self.state = state
         self.most = most
         self.rows = ti.field(real, shape=(state.capacity, most, COLUMNS))
+        self._view = memory.view(self.rows)
 
     @ti.func
     def write(self, slot, t, state):
@@ -39,18 +42,4 @@ class ImpactRecord:
 
     def read(self, slots: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.float64]:
         """Impacts by slot and by number, shape (7, n): time in s, position in m, velocity in m/s."""
-        found = np.zeros((COLUMNS, len(slots)))
-        if len(slots):
-            self._read(slots.astype(np.int32), numbers.astype(np.int32), found)
-        return found
-
-    @ti.kernel
-    def _read(
-        self,
-        slots: ti.types.ndarray(dtype=ti.i32, ndim=1),
-        numbers: ti.types.ndarray(dtype=ti.i32, ndim=1),
-        found: ti.types.ndarray(dtype=ti.f64, ndim=2),
-    ):
-        for i in range(slots.shape[0]):
-            for c in ti.static(range(COLUMNS)):
-                found[c, i] = self.rows[slots[i], numbers[i], c]
+        return self._view.array[slots, numbers].T.astype(np.float64)

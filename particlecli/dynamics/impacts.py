@@ -14,6 +14,7 @@ from particlecli.dynamics.dips import lowest_at, may_dip
 from particlecli.dynamics.group_plan import GroupPlan
 from particlecli.dynamics.impact_record import ImpactRecord
 from particlecli.dynamics.integrators.steppers import stepper
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.resting import RestingMotion, rests_on
 
 MOST_EVENTS = 2_000_000
@@ -41,6 +42,7 @@ class CarefulStepper:
         first_contact: where their parameters begin in the parameter lists.
         real: type of the numbers.
         record: where impacts are noted that bear children; none where none do.
+        memory: where its tables go.
 
     Attributes:
         rounding: how exactly heights are known, relative to the coordinates.
@@ -60,10 +62,11 @@ class CarefulStepper:
         first_contact: int,
         real,
         record: ImpactRecord | None,
+        memory: FieldMemory,
     ) -> None:
         single = plan.real_bytes == 4
         self.motion = RestingMotion(motion, contacts, first_contact)
-        self.stepper = stepper(plan.scheme, self.motion, real)
+        self.stepper = stepper(plan.scheme, self.motion, real, memory)
         self.contacts = contacts
         self.first = first_contact
         self.record = record

@@ -14,6 +14,7 @@ from particlecli.dynamics.impact_record import ImpactRecord
 from particlecli.dynamics.impacts import CarefulStepper
 from particlecli.dynamics.integrators.base import ExplicitRungeKutta, Splitting
 from particlecli.dynamics.integrators.steppers import stepper
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.motion import Motion
 
 
@@ -44,7 +45,7 @@ class March:
         calms: whether packs may go calmly: implicit schemes and closed forms take particles one by one anyway.
     """
 
-    def __init__(self, plan: GroupPlan, motion: Motion, real, record: ImpactRecord | None) -> None:
+    def __init__(self, plan: GroupPlan, motion: Motion, real, record: ImpactRecord | None, memory: FieldMemory) -> None:
         self.plan = plan
         self.motion = motion
         self.contacts = [
@@ -53,9 +54,9 @@ class March:
         self.cooling = None if plan.cooling is None else CoolingTerm(plan.cooling, plan.hottest, plan.dt)
         self.terms = [*motion.terms(), *self.contacts, *([self.cooling] if self.cooling else [])]
         self.first_contact = len(motion.terms())
-        self.stepper = stepper(plan.scheme, motion, real)
+        self.stepper = stepper(plan.scheme, motion, real, memory)
         self.locates = bool(self.contacts) and plan.newtonian and plan.contact == "located"
-        self.careful_stepper = CarefulStepper(plan, motion, self.contacts, self.first_contact, real, record)
+        self.careful_stepper = CarefulStepper(plan, motion, self.contacts, self.first_contact, real, record, memory)
         self.calms = self.locates and isinstance(plan.scheme, (ExplicitRungeKutta, Splitting))
         self.cools = self.cooling is not None
         self.has_fate = "fate" in plan.components

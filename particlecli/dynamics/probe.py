@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from particlecli import runtime
 from particlecli.dynamics.algebra import bound
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.motion import Motion
 from particlecli.runtime import Precision
 
@@ -35,8 +36,9 @@ class Probe:
         ends = list(accumulate(len(values) for values in lists))
         self.spans = [(end - len(values), end) for end, values in zip(ends, lists, strict=True)]
         numbers = np.array([number for values in lists for number in values] or [0.0])
-        self.table = ti.field(self.real, shape=len(numbers))
-        self.table.from_numpy(numbers.astype(np.float64 if precision == "double" else np.float32))
+        memory = FieldMemory()
+        self.table = memory.table(self.real, numbers)
+        memory.open()
 
     def derivative(self, states: Doubles, times: Doubles, inverse_masses: Doubles) -> Doubles:
         """Time derivatives of the states.

@@ -9,14 +9,17 @@ from numpy.typing import NDArray
 
 from particlecli.dynamics.deaths import CAUSES
 from particlecli.dynamics.group_plan import INTEGER_COMPONENTS, LANES
-from particlecli.dynamics.state_kernels import compress, copy_in, copy_out, overwrite_row
-
-FEW = 1 << 14
-"""Where there is room for no more particles, one thread copies them sooner than others would wake up."""
+from particlecli.dynamics.memory import FieldMemory
 
 
 class PackedState:
     """Packed arrays with room for a fixed number of particles; the living ones come first, in order of birth.
+
+    Args:
+        components: what is kept of each particle.
+        capacity: how many particles there is room for.
+        real: type of the components that are no integers, ti.f32 or ti.f64.
+        memory: of the system.
 
     Attributes:
         reals: field of packs, shape (real components, packs).
@@ -25,15 +28,13 @@ class PackedState:
         capacity: how many there is room for.
     """
 
-    def __init__(self, components: tuple[str, ...], capacity: int, real) -> None:
+    def __init__(self, components: tuple[str, ...], capacity: int, real: Any, memory: FieldMemory) -> None:
         self.real_dtype = np.float64 if real == ti.f64 else np.float32
         self.capacity = capacity
         self.count = 0
         self._integer_names = tuple(name for name in components if name in INTEGER_COMPONENTS)
         self._real_names = tuple(name for name in components if name not in INTEGER_COMPONENTS)
         self._rows = {name: row for names in (self._integer_names, self._real_names) for row, name in enumerate(names)}
-        self._no_integers = np.zeros((0, 0), np.int32)
-        self._no_reals = np.zeros((0, 0), self.real_dtype)
         self.reals = ti.field(ti.types.vector(LANES, real))
         self.integers = ti.field(ti.types.vector(LANES, ti.i32))
         packs = max(1, -(-capacity // LANES))
@@ -43,6 +44,7 @@ class PackedState:
             self.integers
         )
         self._tree = builder.finalize()
+        self._views = memory.view(self.reals), memory.view(self.integers)
 
     @property
     def packs(self) -> int:
@@ -55,52 +57,35 @@ class PackedState:
 
     def append(self, columns: Mapping[str, np.ndarray]) -> None:
         """Add particles behind the living ones; one array of equal length for each component."""
-        reals = np.array([columns[name] for name in self._real_names], self.real_dtype)
-        integers = self._no_integers
-        if self._integer_names:
-            integers = np.array([columns[name] for name in self._integer_names], np.int32)
-        copy_in(self.reals, self.integers, self.count, reals, integers, self.capacity <= FEW)
-        self.count += reals.shape[1]
+        count = len(columns[self._real_names[0]])
+        for names, rows in zip((self._real_names, self._integer_names), self._all_rows(), strict=True):
+            for name, row in zip(names, rows, strict=False):
+                row[self.count : self.count + count] = columns[name]
+        self.count += count
 
     def read(self, names: tuple[str, ...]) -> NDArray[Any]:
-        """Components of the living particles, shape (len(names), count); all real or all integer."""
-        if names[0] in INTEGER_COMPONENTS:
-            return self.read_both((), names)[1]
-        return self.read_both(names, ())[0]
-
-    def read_both(
-        self, reals: tuple[str, ...], integers: tuple[str, ...]
-    ) -> tuple[NDArray[np.floating[Any]], NDArray[np.int32]]:
-        """Real and integer components of the living particles, shapes (names, count), with one launch of a kernel."""
-        real_rows, integer_rows = [self._rows[name] for name in reals], [self._rows[name] for name in integers]
-        real_values = np.empty((len(reals), self.count), self.real_dtype) if reals else self._no_reals
-        integer_values = np.empty((len(integers), self.count), np.int32) if integers else self._no_integers
-        if self.count:
-            copy_out(
-                self.reals, self.integers, self.count, _bits(real_rows), _bits(integer_rows),
-                real_values, integer_values, self.capacity <= FEW,
-            )  # fmt: skip
-        return _in_order(real_values, real_rows), _in_order(integer_values, integer_rows)
+        """Components of the living particles, a copy, shape (len(names), count); all real or all integer."""
+        rows = self._all_rows()[names[0] in INTEGER_COMPONENTS]
+        return rows[[self._rows[name] for name in names], : self.count]
 
     def overwrite(self, names: tuple[str, ...], values: np.ndarray) -> None:
         """Replace real components of all living particles; shape (len(names), count)."""
-        for name, row in zip(names, values, strict=True):
-            overwrite_row(self.reals, self._rows[name], np.ascontiguousarray(row, dtype=self.real_dtype))
+        self._all_rows()[0][[self._rows[name] for name in names], : self.count] = values
 
     def bury(self) -> dict[str, int]:
         """Remove the dead, the others closing up in order; returns how many died by each cause."""
-        tally = np.zeros(len(CAUSES) + 1, dtype=np.int32)
-        rows = len(self._real_names), len(self._integer_names)
-        compress(self.reals, self.integers, *rows, self._rows["fate"], self.count, tally)
-        self.count = int(tally[0])
+        reals, integers = self._all_rows()
+        fates = integers[self._rows["fate"], : self.count]
+        tally = np.bincount(np.maximum(fates, 0), minlength=len(CAUSES) + 1)
+        kept = np.flatnonzero(fates <= 0)
+        first = int(np.argmax(fates > 0))
+        moved = kept[np.searchsorted(kept, first) :]
+        for row in (*reals, *integers[: len(self._integer_names)]):
+            row[first : len(kept)] = row[moved]
+        self.count = len(kept)
         return {cause: int(number) for cause, number in zip(CAUSES, tally[1:], strict=True) if number}
 
-
-def _bits(rows: list[int]) -> int:
-    return sum(1 << row for row in rows)
-
-
-def _in_order(values: NDArray[Any], rows: list[int]) -> NDArray[Any]:
-    """Values that a kernel copied in ascending order of rows, in the order asked for."""
-    ascending = sorted(rows)
-    return values if rows == ascending else values[[ascending.index(row) for row in rows]]
+    def _all_rows(self) -> tuple[NDArray[Any], NDArray[np.int32]]:
+        """The memory of real and of integer components, row by row, shapes (components, 16 packs)."""
+        reals, integers = (view.array for view in self._views)
+        return reals.reshape(len(reals), -1), integers.reshape(len(integers), -1)

@@ -18,6 +18,7 @@ from particlecli.dynamics.forces import force_term
 from particlecli.dynamics.group import Group
 from particlecli.dynamics.group_plan import GroupPlan, medium
 from particlecli.dynamics.kinship import by_generation
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.motion import Motion
 from particlecli.dynamics.offspring import Offspring
 from particlecli.dynamics.outcome import Outcome
@@ -60,14 +61,16 @@ class System:
         self.plan = plan
         self._retraces = retraces
         self._real = ti.f64 if plan.scene.precision == "double" else ti.f32
+        memory = FieldMemory()
         self._flows = {name: flow_terms(terms, plan.scene.seed) for name, terms in plan.flows.items()}
-        self._place_tables()
-        self.groups = {group.name: self._group(group) for group in plan.groups}
+        self._place_tables(memory)
+        self.groups = {group.name: self._group(group, memory) for group in plan.groups}
         bound = {name: group for name, group in self.groups.items() if group.plan.coupled}
-        self.coupled = CoupledSystem(bound, plan.couplings, self._real) if bound else None
+        self.coupled = CoupledSystem(bound, plan.couplings, self._real, memory) if bound else None
         self._offspring = self._make_offspring()
         self._order = [name for name in by_generation(plan.scene) if name in self.groups]
         self.fixed = {name: FixedGroup(plan.scene, name) for name in plan.fixed}
+        memory.open()
         self.restart()
 
     def restart(self) -> None:
@@ -89,21 +92,20 @@ class System:
         if self.coupled:
             self.coupled.restart()
 
-    def _place_tables(self) -> None:
+    def _place_tables(self, memory: FieldMemory) -> None:
         for terms in self._flows.values():
             for term in terms:
                 if term.table is not None:
-                    term.rows = ti.field(self._real, shape=term.table.shape)
-                    term.rows.from_numpy(term.table.astype(np.float64 if self._real == ti.f64 else np.float32))
+                    term.rows = memory.table(self._real, term.table)
 
-    def _group(self, plan: GroupPlan) -> Group:
+    def _group(self, plan: GroupPlan, memory: FieldMemory) -> Group:
         motion = Motion(
             flows=[self._flows[name] for name in plan.flows],
             forces=[force_term(force, self.plan.scene.frames) for force in plan.forces],
             media=[None if (flow := medium(force)) is None else plan.flows.index(flow) for force in plan.forces],
             carrier=None if plan.carrier is None else plan.flows.index(plan.carrier),
         )
-        return Group(plan, motion, self._real)
+        return Group(plan, motion, self._real, memory)
 
     def _make_offspring(self) -> dict[str, Offspring]:
         births = {name: group.plan.births for name, group in self.groups.items()}
@@ -198,7 +200,7 @@ class System:
         wanted = {"u": "velocities", "v": "velocities", "w": "velocities"}
         wanted |= {"age": "ages", "lifetime": "lifetimes", "temperature": "temperatures"}
         names = ("x", "y", "z", *(each for each, field in wanted.items() if field in fields and group.has(each)))
-        block, numbers = state.read_both(names, ("id",) if group.has("id") else ())
+        block = state.read(names)
         rows: dict[str, Floats] = dict(zip(names, block, strict=True))
 
         def row(each: str, otherwise: float | None) -> Floats | None:
@@ -207,7 +209,7 @@ class System:
             return rows[each] if each in rows else np.full(state.count, otherwise, dtype=state.real_dtype)
 
         return GroupFrame(
-            ids=numbers[0].astype(np.int64) if len(numbers) else np.arange(state.count),
+            ids=state.read(("id",))[0].astype(np.int64) if group.has("id") else np.arange(state.count),
             positions=block[:3].T,
             velocities=block[3:6].T if "u" in rows else None,
             ages=row("age", self.time),
@@ -278,7 +280,9 @@ class System:
         """A group of that particle alone where it was last well, and how many steps it took until then."""
         steps = self.plan.steps_per_frame
         dt = interval / steps
-        witness = Group(replace(group.plan, capacity=1), group.motion, self._real)
+        memory = FieldMemory()
+        witness = Group(replace(group.plan, capacity=1), group.motion, self._real, memory)
+        memory.open()
         witness.state.append({name: group.state.read((name,))[0, slot : slot + 1] for name in group.plan.components})
         for s in range(steps):
             if witness.advance(self.time + s * dt, dt, 1).failed_slot is not None:

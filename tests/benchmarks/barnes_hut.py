@@ -70,9 +70,9 @@ def measure() -> list[Figure]:
 def _measured(count: int) -> Measured:
     cloud = Cloud(count, precision="single", threads=None)
     x = plummer(count)
-    cloud.fill(x, masses=1.0 / count)
     spec = scene.Attraction(type="attraction", strength=1.0, softening=SOFTENING, opening_angle=ANGLE, method="tree")
     term = TreeAttraction(spec, cloud.points, (0,))
+    cloud.fill(x, masses=1.0 / count)
     term.prepare(0.0)
     seconds = min(timed(lambda: term.prepare(0.0)) for _ in range(3))
     chosen = np.random.default_rng(1).choice(count, TARGETS, replace=False)

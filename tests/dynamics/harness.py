@@ -8,6 +8,7 @@ import taichi as ti
 from particlecli import runtime
 from particlecli.dynamics.flows import flow_term
 from particlecli.dynamics.forces import force_term
+from particlecli.dynamics.memory import FieldMemory
 
 LANES = 16
 EPSILON = {"single": 2.0**-24, "double": 2.0**-53}
@@ -41,12 +42,11 @@ def on_packs(precision, function, *columns, outputs=1, parameters=(), name=None,
     dtype = ti.f64 if precision == "double" else ti.f32
     count = len(columns[0])
     blocks = -(-count // LANES)
-    places = _fields(dtype, blocks, outputs + len(columns))
-    results, inputs = places[:outputs], places[outputs:]
+    views = _fields(dtype, blocks, outputs + len(columns))
+    results, inputs = ([view.field for view in part] for part in (views[:outputs], views[outputs:]))
     numbers = _numbers(dtype, parameters)
-    for column, field in zip(columns, inputs, strict=True):
-        padded = np.resize(column, blocks * LANES).reshape(blocks, LANES)
-        field.from_numpy(padded.astype(numpy_type(precision)))
+    for column, view in zip(columns, views[outputs:], strict=True):
+        view.array[:] = np.resize(column, blocks * LANES).reshape(blocks, LANES)
 
     @ti.kernel
     def run():
@@ -72,7 +72,7 @@ def on_packs(precision, function, *columns, outputs=1, parameters=(), name=None,
     if name is None or not kernels:
         kernels.append(run_one_by_one if one_by_one else run)
     kernels[-1]()
-    return np.stack([result.to_numpy().reshape(-1)[:count].astype(np.float64) for result in results])
+    return np.stack([view.array.reshape(-1)[:count].astype(np.float64) for view in views[:outputs]])
 
 
 _pool = {}
@@ -88,19 +88,18 @@ def _kept(name):
 
 
 def _fields(dtype, blocks, count):
-    kept = _kept(blocks)
+    kept, memory = _kept(blocks), FieldMemory()
     while len(kept) < count:
-        kept.append(ti.field(ti.types.vector(LANES, dtype)))
-        ti.root.dense(ti.i, blocks).place(kept[-1])
+        kept.append(memory.view(ti.field(ti.types.vector(LANES, dtype), shape=blocks)))
     return kept[:count]
 
 
 def _numbers(dtype, values):
     kept = _kept("numbers")
     if not kept:
-        kept.append(ti.field(dtype, shape=16))
-    kept[0].from_numpy(np.resize([*values, 0.0], 16).astype(kept[0].to_numpy().dtype))
-    return kept[0]
+        kept.append(FieldMemory().view(ti.field(dtype, shape=16)))
+    kept[0].array[:] = np.resize([*values, 0.0], 16)
+    return kept[0].field
 
 
 def placed_flow_term(precision, spec, scene_seed):
@@ -110,9 +109,10 @@ def placed_flow_term(precision, spec, scene_seed):
     if term.table is not None:
         kept = _kept(term.table.shape)
         if not kept:
-            kept.append(ti.field(ti.f64 if precision == "double" else ti.f32, shape=term.table.shape))
-        term.rows = kept[0]
-        term.rows.from_numpy(term.table.astype(numpy_type(precision)))
+            real = ti.f64 if precision == "double" else ti.f32
+            kept.append(FieldMemory().view(ti.field(real, shape=term.table.shape)))
+        term.rows = kept[0].field
+        kept[0].array[:] = term.table
     return term
 
 

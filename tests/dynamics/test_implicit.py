@@ -8,6 +8,7 @@ import pytest
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ImplicitRungeKutta
 from particlecli.dynamics.integrators.steppers import stepper
+from particlecli.dynamics.memory import FieldMemory
 from tests.dynamics.scenes import body, scene, system
 
 IMPLICIT = [name for name, scheme in SCHEMES.items() if isinstance(scheme, ImplicitRungeKutta)]
@@ -156,7 +157,9 @@ def test_newton_needs_the_right_jacobian(factor, converges):
         integrator={"type": "implicit_midpoint"},
     )
     group = made.groups["a"]
-    group.march.stepper = stepper(SCHEMES["implicit_midpoint"], WithWrongJacobian(group.motion, factor), group.real)
+    memory, motion = FieldMemory(), WithWrongJacobian(group.motion, factor)
+    group.march.stepper = stepper(SCHEMES["implicit_midpoint"], motion, group.real, memory)
+    memory.open()
     assert (group.advance(0.0, 1.0, 50).failed_slot is None) == converges
 
 

@@ -14,6 +14,7 @@ from particlecli.dynamics.integrators.base import (
     Splitting,
 )
 from particlecli.dynamics.integrators.steppers import stepper
+from particlecli.dynamics.memory import FieldMemory
 from tests.dynamics.scenes import body, system
 from tests.dynamics.wrong_schemes import wrong_schemes
 
@@ -109,7 +110,9 @@ def test_measured_order_is_the_declared_one(name, problem):
 def test_a_wrong_coefficient_lowers_the_order(name, wrong):
     made = newtonian(POSITION_FORCE, name)
     group = made.groups["a"]
-    group.march.stepper = stepper(wrong, group.motion, group.real)
+    memory = FieldMemory()
+    group.march.stepper = stepper(wrong, group.motion, group.real, memory)
+    memory.open()
     if group.has("pace"):
         group.lanes.paced.stepper = group.march.stepper
     duration, steps = COMPOSED if name == "composition8" else ASYMPTOTIC[SCHEMES[name].order]

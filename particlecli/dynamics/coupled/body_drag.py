@@ -31,7 +31,7 @@ class BodyDrag(CoupledTerm[scene.BodyDrag]):
         self.first_rows = np.cumsum([0, *(table.shape[1] for table in tables)]).tolist()
         ends = np.concatenate(tables, axis=1)
         self.ends = ti.field(ti.types.vector(LANES, ti.i32), shape=ends.shape[:2])
-        self.ends.from_numpy(ends)
+        points.memory.view(self.ends, ends)
 
     def parameters(self) -> list[float]:
         """The coefficients along, backward and across."""

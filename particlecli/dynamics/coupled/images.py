@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS, VECTOR3
 from particlecli.dynamics.coupled.neighbor_rows import REALS, Rows
 from particlecli.dynamics.coupled.sharing import GRAIN, TURNS
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.scene.planes import Plane
 
 CHUNK = 128
@@ -79,17 +80,16 @@ class Images:
         sources, kinds: of each image the row of its particle and its map.
     """
 
-    def __init__(self, maps: Sequence[Map], real) -> None:
+    def __init__(self, maps: Sequence[Map], real, memory: FieldMemory) -> None:
         self.maps = len(maps)
         self.copies = all(np.array_equal(each.linear, np.eye(3)) for each in maps)
         self.linear = ti.Matrix.field(3, 3, real, shape=max(1, self.maps))
         self.shift = ti.Vector.field(3, real, shape=max(1, self.maps))
         self.velocity = ti.Matrix.field(3, 3, real, shape=max(1, self.maps))
         if maps:
-            dtype = np.float64 if real == ti.f64 else np.float32
-            self.linear.from_numpy(np.array([m.linear for m in maps], dtype))
-            self.shift.from_numpy(np.array([m.shift for m in maps], dtype))
-            self.velocity.from_numpy(np.array([m.velocity for m in maps], dtype))
+            memory.view(self.linear, np.array([each.linear for each in maps]))
+            memory.view(self.shift, np.array([each.shift for each in maps]))
+            memory.view(self.velocity, np.array([each.velocity for each in maps]))
         self.sources = self.kinds = np.zeros(0, np.int32)
 
     def choose(self, rows: Rows, particles: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:

@@ -29,8 +29,7 @@ class ImplicitStages:
         self.own_weights = [row[i] for i, row in enumerate(scheme.a)]
         a = np.array([*scheme.a, scheme.b])
         table = np.column_stack([[*scheme.c, 1.0], a @ np.array(scheme.a), a])
-        self.table = ti.field(points.real, shape=table.shape)
-        self.table.from_numpy(table.astype(points.real_dtype))
+        self.table = points.memory.table(points.real, table)
         pack = ti.types.vector(LANES, points.real)
         self.base = ti.field(pack, shape=(6, points.capacity))
         self.slopes = ti.field(pack, shape=(3 * self.stages, points.capacity))

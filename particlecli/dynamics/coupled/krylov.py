@@ -49,6 +49,7 @@ class Krylov:
         self.change = ti.field(pack, shape=(3, packs))
         self.parts = ti.field(ti.f64, shape=(4, packs))
         self.numbers = ti.field(ti.f64, shape=7)
+        self.found = self.points.memory.view(self.numbers)
         self.counter = ti.field(ti.i32, shape=1)
         springs = [term for term in self.motion.terms if isinstance(term, Springs)]
         self.multigrid = Multigrid(springs, self.points, self.ending.pins, self.blocks)

@@ -45,8 +45,7 @@ class LocalTerm(CoupledTerm[Spec]):
         pack = ti.types.vector(LANES, points.real)
         self.accelerations = ti.field(pack, shape=(3, points.capacity))
         self.energies = ti.field(pack, shape=points.capacity)
-        self.table = ti.field(points.real, shape=len(self.parameters()))
-        self.table.from_numpy(np.array(self.parameters(), points.real_dtype))
+        self.table = points.memory.table(points.real, np.array(self.parameters()))
 
     def rearranged(self) -> None:
         """Lists are of no use any more."""

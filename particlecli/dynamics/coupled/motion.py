@@ -34,9 +34,7 @@ class CoupledMotion:
         lists = [term.parameters() for term in terms]
         ends = list(accumulate(len(values) for values in lists))
         self.spans = [(end - len(values), end) for end, values in zip(ends, lists, strict=True)]
-        numbers = np.array([*chain.from_iterable(lists), 0.0], points.real_dtype)
-        self.table = ti.field(points.real, shape=len(numbers))
-        self.table.from_numpy(numbers)
+        self.table = points.memory.table(points.real, np.array([*chain.from_iterable(lists), 0.0]))
 
     @ti.func
     def acceleration(self, b, t):

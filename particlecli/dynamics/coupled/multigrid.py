@@ -69,19 +69,19 @@ class Multigrid:
     def _lay_out(self, graph: Graph, places, coarser: list[Coarsening]) -> None:
         graphs = [graph, *(each.graph for each in coarser)]
         self.links = np.cumsum([0, *map(len, places)]).tolist()
-        self.places = _integers(np.concatenate(places))
+        self.places = self._integers(np.concatenate(places))
         packs = np.cumsum([0, *(-(-each.count // LANES) for each in graphs[1:])])
         bases = np.cumsum([0, *(each.count + len(each.pairs) for each in graphs)])
-        self.packs, self.bases = _integers(packs), _integers(bases)
+        self.packs, self.bases = self._integers(packs), self._integers(bases)
         firsts = packs * LANES
         finer = [0, *(self.rows[-1] * LANES + firsts[:-1])]
         self.down = self._rows([PackedRows.of(c.down, finer[n]) for n, c in enumerate(coarser)])
         self.up = self._rows([PackedRows.of(c.prolongation, firsts[n]) for n, c in enumerate(coarser)])
         matrices = [_adjacency(each.graph, bases[n + 1]) for n, each in enumerate(coarser)]
         matrix = PackedRows.joined([PackedRows.of(m, firsts[n], bases[-1]) for n, m in enumerate(matrices)])
-        self.neighbors = (_integers(matrix.starts), _packs(matrix.columns, ti.i32))
-        self.sources = _packs(matrix.values, ti.i32)
-        self.diagonals = _packs(_diagonals(graphs[1:], bases), ti.i32)
+        self.neighbors = (self._integers(matrix.starts), self._packs(matrix.columns, ti.i32))
+        self.sources = self._packs(matrix.values, ti.i32)
+        self.diagonals = self._packs(_diagonals(graphs[1:], bases), ti.i32)
         self._place_sums(coarser, bases)
         pack = ti.types.vector(LANES, self.points.real)
         self.entries = ti.field(pack, shape=(6, self.sources.shape[0]))
@@ -91,16 +91,26 @@ class Multigrid:
 
     def _rows(self, parts: list[PackedRows]):
         joined = PackedRows.joined(parts)
-        return _integers(joined.starts), _packs(joined.columns, ti.i32), _packs(joined.values, self.points.real)
+        starts, columns = self._integers(joined.starts), self._packs(joined.columns, ti.i32)
+        return starts, columns, self._packs(joined.values, self.points.real)
+
+    def _integers(self, values):
+        """A field of integers, at least one."""
+        return self.points.memory.table(ti.i32, values if len(values) else np.zeros(1, np.int32))
+
+    def _packs(self, values, real):
+        """A field of packs, at least one."""
+        field = ti.field(ti.types.vector(LANES, real), shape=max(1, len(values)))
+        self.points.memory.view(field, values if len(values) else None)
+        return field
 
     def _place_sums(self, coarser: list[Coarsening], bases) -> None:
         """The weights with which blocks add up to those of the next level."""
         self.values = ti.field(ti.types.vector(8, self.points.real), shape=int(bases[-1]) + 1)
-        self.sums = _integers(np.cumsum(np.concatenate([[0], *(np.diff(each.sums.indptr) for each in coarser)])))
-        self.addends = _integers(np.concatenate([each.sums.indices + bases[n] for n, each in enumerate(coarser)]))
+        self.sums = self._integers(np.cumsum(np.concatenate([[0], *(np.diff(each.sums.indptr) for each in coarser)])))
+        self.addends = self._integers(np.concatenate([each.sums.indices + bases[n] for n, each in enumerate(coarser)]))
         weights = np.concatenate([each.sums.data for each in coarser])
-        self.weights = ti.field(self.points.real, shape=len(weights))
-        self.weights.from_numpy(weights.astype(self.points.real_dtype))
+        self.weights = self.points.memory.table(self.points.real, weights)
 
     @ti.kernel
     def refresh(self):
@@ -271,18 +281,3 @@ def _diagonals(graphs: list[Graph], bases):
         numbers[: graph.count] = bases[n + 1] + np.arange(graph.count)
         found.append(numbers)
     return np.concatenate(found).reshape(-1, LANES)
-
-
-def _integers(values):
-    field = ti.field(ti.i32, shape=max(1, len(values)))
-    if len(values):
-        field.from_numpy(np.asarray(values, np.int32))
-    return field
-
-
-def _packs(values, real):
-    """A field of packs, at least one."""
-    field = ti.field(ti.types.vector(LANES, real), shape=max(1, len(values)))
-    if len(values):
-        field.from_numpy(values.astype({ti.i32: np.int32, ti.f64: np.float64}.get(real, np.float32)))
-    return field

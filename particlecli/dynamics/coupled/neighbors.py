@@ -89,7 +89,7 @@ class Neighbors:
         self.skin = SKIN * cutoff
         self.reach = cutoff + self.skin
         self.periodic = periodic
-        self.images = Images(maps, points.real)
+        self.images = Images(maps, points.real, points.memory)
         self.slots = points.capacity * LANES
         self.rows = Rows(points, self.slots + (self.slots // 2 + 64 if maps else 0), moves, axes)
         self.count = 0

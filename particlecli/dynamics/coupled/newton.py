@@ -115,7 +115,7 @@ class Newton:
             if not self._descend(packs):
                 return False, evaluations
             self._krylov.update(i, packs, h)
-            numbers = self._krylov.numbers.to_numpy()
+            numbers = self._krylov.found.array
             if not math.isfinite(numbers[CHANGE] + numbers[SIZE]):
                 return False, evaluations
             largest = max(self._largest, numbers[SIZE])

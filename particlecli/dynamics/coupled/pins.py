@@ -40,15 +40,17 @@ class Pins:
         rows = max(1, sum(packs))
         self.numbers = ti.field(ti.types.vector(LANES, ti.i32), shape=rows)
         self.anchors = ti.field(ti.types.vector(LANES, points.real), shape=(3, rows))
+        self._numbers = np.zeros((rows, LANES), np.int32)
         if any(self.exist):
             found = [_pinned(plan) for plan, exist in zip(plans, self.exist, strict=True) if exist]
-            self.numbers.from_numpy(np.concatenate([numbers for numbers, _ in found]))
-            self.anchors.from_numpy(np.concatenate([anchors for _, anchors in found], axis=1).astype(points.real_dtype))
+            self._numbers = np.concatenate([numbers for numbers, _ in found])
+            points.memory.view(self.numbers, self._numbers)
+            points.memory.view(self.anchors, np.concatenate([anchors for _, anchors in found], axis=1))
 
     def pinned(self, g: int):
         """Which particles of group g are pinned, shape (16 packs,); of a group without pins none, shape (0,)."""
         first, last = self.first_rows[g : g + 2]
-        return self.numbers.to_numpy()[first:last].reshape(-1) != 0
+        return self._numbers[first:last].reshape(-1) != 0
 
     @ti.func
     def free(self, g: ti.template(), own):

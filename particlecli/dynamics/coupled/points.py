@@ -7,6 +7,7 @@ import taichi as ti
 
 from particlecli import runtime
 from particlecli.dynamics.group_plan import LANES
+from particlecli.dynamics.memory import FieldMemory
 
 
 @ti.data_oriented
@@ -20,7 +21,13 @@ class Points:
     yet or have died within the frame, have mass 0 and a finite position: they must not act on others. What is computed
     for them is not used.
 
+    Args:
+        capacities: particles there is room for, by group.
+        real: type of numbers, ti.f32 or ti.f64.
+        memory: of the system.
+
     Attributes:
+        memory: where tables that forces need go.
         names: of the groups, in their order.
         state: field of packs, shape (6, packs): x, y, z, m, and u, v, w, m/s.
         mass: field of packs, kg; zero for lanes that do not act.
@@ -31,8 +38,9 @@ class Points:
         capacity: packs there is room for.
     """
 
-    def __init__(self, capacities: Mapping[str, int], real) -> None:
+    def __init__(self, capacities: Mapping[str, int], real, memory: FieldMemory) -> None:
         runtime.use(self, wears=True)
+        self.memory = memory
         self.names = tuple(capacities)
         self.real = real
         self.real_dtype = np.float64 if real == ti.f64 else np.float32
@@ -43,14 +51,18 @@ class Points:
         self.mass = ti.field(pack, shape=self.capacity)
         self.firsts = ti.field(ti.i32, shape=len(self.names) + 1)
         self.counts = ti.field(ti.i32, shape=len(self.names))
-        self.arrange([0] * len(self.names))
+        self._views = memory.view(self.firsts), memory.view(self.counts)
+        self._hand_out([0] * len(self.names))
 
     def arrange(self, populations: list[int]) -> None:
         """Hand out packs to groups of so many particles."""
+        self._hand_out(populations)
+        firsts, counts = self._views
+        firsts.array[:], counts.array[:] = self.first_packs, self.populations
+
+    def _hand_out(self, populations: list[int]) -> None:
         self.populations = np.array(populations, np.int32)
         self.first_packs = np.concatenate(([0], np.cumsum(-(-self.populations // LANES)))).astype(np.int32)
-        self.firsts.from_numpy(self.first_packs)
-        self.counts.from_numpy(self.populations)
 
     @property
     def packs(self) -> int:

@@ -35,6 +35,7 @@ class RoughSphere(LocalTerm[scene.SoftSphere]):
         super().__init__(spec, points, groups, spec.diameter, moves=True)
         slots = points.capacity * LANES
         self.contacts = ti.field(ti.i32, shape=slots)
+        self._contacts = points.memory.view(self.contacts)
         self.partners = ti.field(ti.i32, shape=(slots, MOST))
         self.anchors = ti.Vector.field(3, points.real, shape=(slots, MOST))
         self._arranged = self._arrangement()
@@ -65,7 +66,7 @@ class RoughSphere(LocalTerm[scene.SoftSphere]):
 
     def restart(self) -> None:
         """Forget all contacts."""
-        self.contacts.fill(0)
+        self._contacts.array[:] = 0
 
     @ti.func
     def _pressing(self, p, distance, n, v):

@@ -60,6 +60,7 @@ class Sph(LocalTerm[scene.Sph]):
         self.continues = spec.density_by == "continuity"
         pack = ti.types.vector(LANES, points.real)
         self.compressions = ti.field(pack, shape=points.capacity)
+        self._compressions = points.memory.view(self.compressions)
         self.surplus = ti.field(pack, shape=points.capacity if self.continues else 1)
         self._begins = True
 
@@ -94,7 +95,7 @@ class Sph(LocalTerm[scene.Sph]):
     def fluid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Density, kg/m³, and pressure, Pa, at the present stage of the points, by their numbers."""
         self._weigh()
-        compressions = self.compressions.to_numpy().reshape(-1).astype(np.float64)
+        compressions = self._compressions.array.reshape(-1).astype(np.float64)
         pressures = self.parameters()[4] * (compressions**self.spec.exponent - 1.0)
         return self.spec.density * compressions, pressures
 

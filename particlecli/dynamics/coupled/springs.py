@@ -40,8 +40,8 @@ class Springs(CoupledTerm[scene.Springs]):
         self.first_rows = np.cumsum([0, *(len(starts) for starts, *_ in tables)]).tolist()
         slots = np.cumsum([0, *(len(partners) for _, partners, *_ in tables)])
         starts = np.concatenate([table[0] + slot for table, slot in zip(tables, slots, strict=False)])
-        self.starts = ti.field(ti.i32, shape=len(starts))
-        self.starts.from_numpy(starts.astype(np.int32))
+        self.starts = points.memory.table(ti.i32, starts)
+        self._starts = starts
         partners, *columns = (np.concatenate([table[i] for table in tables]) for i in range(1, 5))
         self.original = partners
         rows = max(1, len(partners))
@@ -49,19 +49,18 @@ class Springs(CoupledTerm[scene.Springs]):
         pack = ti.types.vector(LANES, points.real)
         self.columns = ti.field(pack, shape=(3 if self.needs_places else 1, rows))
         if len(partners):
-            kept = np.stack(columns[: 3 if self.needs_places else 1])
-            self.columns.from_numpy(kept.astype(points.real_dtype))
+            points.memory.view(self.columns, np.stack(columns[: 3 if self.needs_places else 1]))
         self.stiff = ti.field(pack, shape=(5, rows) if plans[0].implicit else (5, 1))
-        self.restart()
+        self._partners = points.memory.view(self.partners, partners if len(partners) else None)
 
     def restart(self) -> None:
         """Make every spring whole."""
         if len(self.original):
-            self.partners.from_numpy(self.original)
+            self._partners.array[...] = self.original
 
     def joined(self) -> list[NDArray[np.int64]]:
         """For each of `groups`, the numbers of the particles that whole springs join, shape (springs, 2)."""
-        return [pairs for pairs, _ in self._once(self.partners.to_numpy())]
+        return [pairs for pairs, _ in self._once(self._partners.array)]
 
     def ends(self) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:
         """The same of all springs, and for each of them the number of its entry in the table, 16 slot + lane."""
@@ -69,7 +68,7 @@ class Springs(CoupledTerm[scene.Springs]):
         return [pairs for pairs, _ in found], [places for _, places in found]
 
     def _once(self, partners):
-        starts = self.starts.to_numpy()
+        starts = self._starts
         found = []
         for first, last in pairwise(self.first_rows):
             packs = np.repeat(np.arange(last - first - 1), np.diff(starts[first:last]))

@@ -47,8 +47,7 @@ class RungeKuttaStages:
         # For each row the share of the velocity, then the weights for positions, then those for velocities.
         shares = [*scheme.c, 1.0, 0.0, 0.0][: len(a)]
         table = np.column_stack([shares, a @ a[: self.stages], a])
-        self.table = ti.field(points.real, shape=table.shape)
-        self.table.from_numpy(table.astype(points.real_dtype))
+        self.table = points.memory.table(points.real, table)
         pack = ti.types.vector(LANES, points.real)
         self.base = ti.field(pack, shape=(6, points.capacity))
         self.slopes = ti.field(pack, shape=(3 * self.stages, points.capacity))
@@ -126,8 +125,7 @@ class SplittingStages:
         self.times = [sum(drifts[:i]) for i in range(self.stages)]
         self.repeats = self.stages > 1 and drifts[-1] == 0.0
         shares = np.array([[scheme.moves[i][1] for i in kicks], drifts])
-        self.shares = ti.field(points.real, shape=shares.shape)
-        self.shares.from_numpy(shares.astype(points.real_dtype))
+        self.shares = points.memory.table(points.real, shares)
         pack = ti.types.vector(LANES, points.real)
         self.base = ti.field(pack, shape=(6, points.capacity))
         self.slopes = ti.field(pack, shape=(3, points.capacity))

@@ -35,8 +35,7 @@ class Step:
         self.evaluations = len(stages.times)
         self.eventful = ending.needed or any(term.ends_steps for term in motion.terms)
         self.reuses = stages.repeats and not self.eventful
-        self.times = ti.field(self.real, shape=self.evaluations + 1)
-        self.times.from_numpy(np.array([*stages.times, 1.0], self.points.real_dtype))
+        self.times = self.points.memory.table(self.real, np.array([*stages.times, 1.0]))
 
     @ti.func
     def begin(self, b, t0, now, h):

@@ -22,6 +22,7 @@ from particlecli.dynamics.group import Group
 from particlecli.dynamics.group_plan import LANES, GroupPlan
 from particlecli.dynamics.integrators.adaptive import LARGEST_CHANGE, SAFETY, SMALLEST_CHANGE
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta
+from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.outcome import NOBODY, Outcome
 from particlecli.dynamics.paced import FIRST_STEP, SHORTEST_STEP
 from particlecli.dynamics.plan import Coupling
@@ -46,6 +47,7 @@ class CoupledSystem:
         groups: those groups, in the scene's order.
         couplings: the forces between particles.
         real: type of numbers, ti.f32 or ti.f64.
+        memory: of the system; all is ready once that is open.
 
     Attributes:
         points: all particles, as the forces see them.
@@ -53,13 +55,15 @@ class CoupledSystem:
         tolerance: error that an adaptive scheme may make in a step, m and m/s.
     """
 
-    def __init__(self, groups: Mapping[str, Group], couplings: tuple[Coupling, ...], real: object) -> None:
+    def __init__(
+        self, groups: Mapping[str, Group], couplings: tuple[Coupling, ...], real: object, memory: FieldMemory
+    ) -> None:
         self._groups = list(groups.values())
         plans = [group.plan for group in self._groups]
         plan = plans[0]
         self._scheme = plan.scheme
         self._longest, self.tolerance = plan.longest_step, plan.tolerance
-        self.points = Points({name: group.plan.capacity for name, group in groups.items()}, real)
+        self.points = Points({name: group.plan.capacity for name, group in groups.items()}, real, memory)
         self.terms = [
             coupled_term(each.force, self.points, [self.points.index(name) for name in each.groups], plans)
             for each in couplings

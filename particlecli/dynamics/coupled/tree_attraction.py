@@ -33,8 +33,7 @@ class TreeAttraction(CoupledTerm[scene.Attraction]):
         self.accelerations = ti.field(pack, shape=(3, points.capacity))
         self.potentials = ti.field(pack, shape=points.capacity)
         self.counter = ti.field(ti.i32, shape=1)
-        self.table = ti.field(points.real, shape=2)
-        self.table.from_numpy(np.array([spec.strength, spec.softening**2], points.real_dtype))
+        self.table = points.memory.table(points.real, np.array([spec.strength, spec.softening**2]))
 
     def prepare(self, time: float) -> None:
         """Build the tree, and walk it for all."""

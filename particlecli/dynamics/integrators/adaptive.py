@@ -9,6 +9,7 @@ import taichi as ti
 
 from particlecli.dynamics.algebra import bound
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta
+from particlecli.dynamics.memory import FieldMemory
 
 SAFETY = 0.9
 SMALLEST_CHANGE, LARGEST_CHANGE = 0.2, 8.0
@@ -23,21 +24,17 @@ class AdaptiveStepper:
         scheme: the method.
         motion: the equations of motion.
         real: type of the numbers.
+        memory: where its table goes.
     """
 
-    def __init__(self, scheme: AdaptiveRungeKutta, motion, real) -> None:
+    def __init__(self, scheme: AdaptiveRungeKutta, motion, real, memory: FieldMemory) -> None:
         self.scheme = scheme
         self.motion = motion
         self.stages = len(scheme.b)
         self.has_coarse = scheme.coarse_error is not None
         coarse = scheme.coarse_error if scheme.coarse_error is not None else (0.0,) * self.stages
         rows = [(*row, *(0.0,) * (self.stages - len(row))) for row in scheme.a]
-        self.table = ti.field(real, shape=(self.stages + 4, self.stages))
-        self.table.from_numpy(
-            np.array([*rows, scheme.b, scheme.error, coarse, scheme.c]).astype(
-                np.float64 if real == ti.f64 else np.float32
-            )
-        )
+        self.table = memory.table(real, np.array([*rows, scheme.b, scheme.error, coarse, scheme.c]))
         self.slopes = ti.types.vector(6 * self.stages, real)
 
     @ti.func

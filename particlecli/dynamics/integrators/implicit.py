@@ -7,6 +7,7 @@ import taichi as ti
 
 from particlecli.dynamics.algebra import add, bound, mul
 from particlecli.dynamics.integrators.base import ImplicitRungeKutta
+from particlecli.dynamics.memory import FieldMemory
 
 MOST_ITERATIONS = 20
 """Newton iterations, after which a step has failed."""
@@ -34,9 +35,10 @@ class ImplicitStepper:
         scheme: the method.
         motion: the equations of motion.
         real: type of the numbers, ti.f32 or ti.f64.
+        memory: where its table goes.
     """
 
-    def __init__(self, scheme: ImplicitRungeKutta, motion, real) -> None:
+    def __init__(self, scheme: ImplicitRungeKutta, motion, real, memory: FieldMemory) -> None:
         self.scheme = scheme
         self.motion = motion
         self.real = real
@@ -50,8 +52,7 @@ class ImplicitStepper:
         a = np.array([*scheme.a, scheme.b])
         # One row for each stage and one for the step: weights, their product with a, and the time.
         rows = np.column_stack([a, a @ np.array(scheme.a), [*scheme.c, 1.0]])
-        self.table = ti.field(real, shape=rows.shape)
-        self.table.from_numpy(rows.astype(np.float64 if real == ti.f64 else np.float32))
+        self.table = memory.table(real, rows)
 
     @ti.func
     def step(self, p, state, t, h, body):

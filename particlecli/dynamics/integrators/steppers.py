@@ -19,6 +19,7 @@ from particlecli.dynamics.integrators.base import (
 from particlecli.dynamics.integrators.exact import ExactStepper
 from particlecli.dynamics.integrators.implicit import ImplicitStepper
 from particlecli.dynamics.integrators.lanes import LaneByLane
+from particlecli.dynamics.memory import FieldMemory
 
 
 @ti.data_oriented
@@ -96,13 +97,14 @@ class SplittingStepper:
         return [bound(add(state[c], mul(mul(drift, h), speeds[c]))) for c in ti.static(range(3))] + speeds
 
 
-def stepper(scheme: AnyScheme, motion, real):
+def stepper(scheme: AnyScheme, motion, real, memory: FieldMemory):
     """The stepper that carries out a scheme on equations of motion.
 
     Args:
         scheme: the scheme.
         motion: the equations of motion.
         real: type of the numbers, ti.f32 or ti.f64.
+        memory: where its tables go.
     """
     match scheme:
         case ExplicitRungeKutta():
@@ -110,8 +112,8 @@ def stepper(scheme: AnyScheme, motion, real):
         case Splitting():
             return SplittingStepper(scheme, motion)
         case AdaptiveRungeKutta():
-            return AdaptiveStepper(scheme, motion, real)
+            return AdaptiveStepper(scheme, motion, real, memory)
         case ImplicitRungeKutta():
-            return LaneByLane(ImplicitStepper(scheme, motion, real))
+            return LaneByLane(ImplicitStepper(scheme, motion, real, memory))
         case ClosedForm():
             return LaneByLane(ExactStepper(motion))

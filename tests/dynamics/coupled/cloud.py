@@ -5,6 +5,7 @@ import taichi as ti
 
 from particlecli import runtime
 from particlecli.dynamics.coupled.points import Points
+from particlecli.dynamics.memory import FieldMemory
 
 LANES = 16
 
@@ -14,7 +15,9 @@ class Cloud:
 
     def __init__(self, *rooms, precision="double", threads=1):
         runtime.start(precision, threads)
-        self.points = Points({f"group{g}": room for g, room in enumerate(rooms)}, _real(precision))
+        memory = FieldMemory()
+        self.points = Points({f"group{g}": room for g, room in enumerate(rooms)}, _real(precision), memory)
+        self.views = memory.view(self.points.state), memory.view(self.points.mass)
         self.slots = np.zeros(0, np.int64)
 
     def fill(self, *groups, masses=1.0, velocities=None):
@@ -28,8 +31,9 @@ class Cloud:
         columns[3:6, self.slots] = 0.0 if velocities is None else velocities.T
         columns[6, self.slots] = masses
         packs = columns.reshape(7, -1, LANES)
-        self.points.state.from_numpy(packs[:6])
-        self.points.mass.from_numpy(packs[6])
+        state, mass = self.views
+        state.array[:], mass.array[:] = packs[:6], packs[6]
+        self.points.memory.open()
 
     def of_slots(self, field):
         """The values of a field of packs for each particle, the last axis."""
@@ -39,6 +43,7 @@ class Cloud:
 
 def accelerations(term, cloud):
     """Of each particle, m/s², shape (n, 3), as the present contents of the points have it."""
+    cloud.points.memory.open()
     term.restart()
     term.rearranged()
     term.prepare(0.0)
@@ -47,6 +52,7 @@ def accelerations(term, cloud):
 
 def energy(term, cloud):
     """The potential energy, J."""
+    cloud.points.memory.open()
     term.rearranged()
     term.prepare_potential(0.0)
     return cloud.of_slots(term.energies).sum()
