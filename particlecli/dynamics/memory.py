@@ -38,8 +38,9 @@ class FieldMemory:
         """Find out where the fields are, and fill them."""
         waiting, self._waiting = self._waiting, []
         if waiting:
+            ti.sync()  # which lays out fields that are new
             for view, address in zip(waiting, _addresses([view.field for view in waiting]), strict=True):
-                view.found(int(address))
+                view.found(address)
 
 
 class FieldView:
@@ -91,16 +92,27 @@ def _element(field) -> tuple[int, ...]:
     return (field.n, field.m)[: field.ndim]
 
 
-def _addresses(fields) -> NDArray[np.uint64]:
-    """Where the first number of each field is."""
-    firsts = [each if isinstance(each, ti.ScalarField) else each.get_scalar_field(0) for each in fields]
-    origins = [(0,) * len(each.shape) for each in firsts]
+def _addresses(fields) -> list[int]:
+    """Where the first number of each field is: how far from one field of its tree, of which the kernel tells."""
+    trees = {each.parent()._snode_tree_id: each for each in fields}
+    found = np.zeros(len(trees), np.uint64)
+    _finder([each if isinstance(each, ti.ScalarField) else each.get_scalar_field(0) for each in trees.values()])(found)
+    starts = {tree: int(address) - _offset(trees[tree]) for tree, address in zip(trees, found, strict=True)}
+    return [starts[each.parent()._snode_tree_id] + _offset(each) for each in fields]
+
+
+def _offset(field) -> int:
+    """Where a field stands among the fields of its tree, bytes."""
+    return field.parent()._offset_bytes_in_parent_cell
+
+
+def _finder(fields):
+    """A kernel that tells where fields of numbers begin."""
+    origins = [(0,) * len(each.shape) for each in fields]
 
     @ti.kernel
     def find(found: ti.types.ndarray(dtype=ti.u64, ndim=1)):
-        for i in ti.static(range(len(firsts))):
-            found[i] = ti.get_addr(firsts[i], origins[i])
+        for i in ti.static(range(len(fields))):
+            found[i] = ti.get_addr(fields[i], origins[i])
 
-    found = np.zeros(len(fields), np.uint64)
-    find(found)
-    return found
+    return find

@@ -60,6 +60,7 @@ def term(request, cloud):
 
 
 def found(term, cloud):
+    cloud.points.memory.open()
     term.prepare(0.0)
     return cloud.of_slots(term.accelerations).T
 
