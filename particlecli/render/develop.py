@@ -7,14 +7,18 @@ values, PACK pixels at once; as values. Each pass is straight-line code, which t
 import taichi as ti
 
 from particlecli.render.arena import PACK
-from particlecli.render.arrays import Bytes, Image, Integers, Row, Rows, vec4
+from particlecli.render.arrays import Image, Integers, IntegerTable, Rows, vec4
 from particlecli.render.spread import refined
 from particlecli.render.tasks import GRAIN, LANES
-from particlecli.render.tone import BLEED, HIGHEST, LOWEST, MANTISSA
+from particlecli.render.tone import BLEED, FRACTION, HIGHEST, LOWEST, MANTISSA
 
 SMALLEST, LARGEST = 2.0**LOWEST, 2.0**HIGHEST * (1 - 2.0**-20)
 
 _SINGLE = ti.types.vector(PACK, ti.f32)
+_INTEGERS = ti.types.vector(PACK, ti.i32)
+
+WORDS = 3 * PACK // 4
+"""Words of four bytes that the values of PACK pixels take."""
 
 
 @ti.func
@@ -83,28 +87,31 @@ def _tone_row(
 def _encode_row(
     y, worker, places: ti.template(), width, encoding: ti.template(), noise: ti.template(), image: ti.template()
 ):  # fmt: skip
-    """Values of a row from its places in the table."""
-    whole = width // PACK
-    for p in range(whole):
-        added = _single(noise, y, p * PACK)
-        for k in ti.static(range(3)):
-            here = places[worker, k, p]
-            values = ti.cast(_SINGLE([encoding[here[i]] for i in ti.static(range(PACK))]) + added, ti.i32)
-            for i in ti.static(range(PACK)):
-                image[y, p * PACK + i, k] = ti.cast(values[i], ti.u8)
-    for x in range(whole * PACK, width):
-        for k in ti.static(range(3)):
-            image[y, x, k] = ti.cast(encoding[places[worker, k, whole][x - whole * PACK]] + noise[y, x], ti.u8)
+    """Values of a row from its places in the table, four bytes a word, WORDS words for PACK pixels.
+
+    All words of a pack come before the first is written: whatever is written could be what is read next, for all that
+    the compiler knows.
+    """
+    for four in range((width + 3) // 4):
+        p, first = four // (PACK // 4), four % (PACK // 4) * 4
+        words = ti.Vector([0, 0, 0])
+        for i in ti.static(range(4)):
+            added = noise[y, 4 * four + i]
+            for k in ti.static(range(3)):
+                value = (encoding[places[worker, k, p][first + i]] + added) >> FRACTION
+                words[(3 * i + k) // 4] |= value << ((3 * i + k) % 4 * 8)
+        for word in ti.static(range(3)):
+            image[y, 3 * four + word] = words[word]
 
 
 @ti.kernel
 def develop(
     light: ti.template(), rows: ti.template(), places: ti.template(), counter: Integers,
     origin: ti.i32, pitch: ti.i32, coarse: ti.i32, coarse_pitch: ti.i32, width: ti.i32, height: ti.i32,
-    kept: ti.f32, exposure: ti.f32, sky: vec4, soil: vec4, cover: Rows, seen_sky: Rows, encoding: Row, noise: Rows,
-    image: Bytes, grounded: ti.template(), bodied: ti.template(),
+    kept: ti.f32, exposure: ti.f32, sky: vec4, soil: vec4, cover: Rows, seen_sky: Rows, encoding: Integers,
+    noise: IntegerTable, image: IntegerTable, grounded: ti.template(), bodied: ti.template(),
 ):  # fmt: skip
-    """Values of a picture, shape (height, width, 3), from the light of a collapsed pyramid.
+    """Values of a picture from the light of a collapsed pyramid.
 
     Args:
         light, rows, places: see `Arena`.
@@ -114,8 +121,9 @@ def develop(
         soil: light of the ground, exposed.
         cover: shape (height, width or more): how much of each pixel is ground, and lit; whole packs.
         seen_sky: likewise, how much is sky; where there are no bodies, all but the ground.
-        encoding: `tone.encoding_table`.
-        noise: `tone.dither`.
+        encoding: `tone.encoding_table`, in 2^-FRACTION of a value.
+        noise: `tone.dither`, likewise, whole packs.
+        image: shape (height, words): the bytes red, green, blue, red, …, whole packs of pixels.
     """
     counter[0] = 0
     for lane in range(LANES):

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from particlecli import runtime
 from particlecli.frame import Frame
+from particlecli.render.arena import PACK
 from particlecli.render.arrays import vec4
 from particlecli.render.bodies import Bodies
 from particlecli.render.camera import View, views_of
 from particlecli.render.canvas import Canvas, Tools
 from particlecli.render.colour import from_hex
-from particlecli.render.develop import develop, expose
+from particlecli.render.develop import WORDS, develop, expose
 from particlecli.render.ground import GroundPlane, coverage, facing_planes, planes_of, sizes
 from particlecli.render.looks import LOOKS
 from particlecli.render.painter import Painter
@@ -23,7 +24,7 @@ from particlecli.render.pyramid import pyramids_of
 from particlecli.render.shadows import CELLS, Shadows, casters
 from particlecli.render.shot import LINES
 from particlecli.render.tint import tint_of
-from particlecli.render.tone import dither, encoding_table, sky_light
+from particlecli.render.tone import dither, encoding_table, fixed, sky_light
 from particlecli.scene.look import GroupLook
 from particlecli.scene.model import Scene
 from particlecli.scene.planes import Plane
@@ -58,10 +59,11 @@ class Renderer:
         self._stays = _stays(self.height, len(self._canvas.pyramid.levels))
         self._exposure = look.exposure
         self._sky = vec4(*sky_light(look.background), 0.0)
-        self._encoding = encoding_table(look.background)
-        self._dither = dither(self.width, self.height)
+        self._encoding = fixed(encoding_table(look.background))
+        packs = -(-self.width // PACK)
+        self._dither = fixed(dither(packs * PACK, self.height))
         self._counter = np.zeros(1, np.int32)
-        self._image: NDArray[np.uint8] = np.zeros((self.height, self.width, 3), np.uint8)
+        self._image = np.zeros((self.height, packs * WORDS), np.int32)
 
     def _make_painters(self, scene: Scene, largest: float) -> dict[str, Painter]:
         painters = {}
@@ -105,7 +107,8 @@ class Renderer:
             self._kept, self._exposure, self._sky, self._soil, self._cover, self._sky_seen, self._encoding,
             self._dither, self._image, bool(self._grounds), self._dressed,
         )  # fmt: skip
-        return self._image
+        pixels: NDArray[np.uint8] = self._image.view(np.uint8).reshape(self.height, -1, 3)[:, : self.width]
+        return np.ascontiguousarray(pixels)
 
     def light(self, frame: Frame) -> NDArray[np.float32]:
         """Light of a frame's particles before exposure and tone, linear sRGB, shape (height, width, 3)."""

@@ -23,6 +23,9 @@ LOWEST, HIGHEST = -17, 7
 MANTISSA = 9
 """Bits of a number's mantissa that choose a place: relative steps of 2^-9, at most 0.2 of a value."""
 
+FRACTION = 16
+"""Bits behind the point of values as kernels take them: whole numbers, which are added and cut without conversion."""
+
 DITHER_MARGIN = 0.03
 """Keeps dithering away from whole values, so that they stay."""
 
@@ -86,6 +89,11 @@ def encoding_table(sky: str) -> NDArray[np.float32]:
     table = (255.0 * encode(curve(light.ravel()))).astype(np.float32)
     table[places(sky_light(sky))] = _values(sky)
     return table
+
+
+def fixed(values: NDArray[np.float32]) -> NDArray[np.int32]:
+    """Values in 2^-FRACTION of a picture's step."""
+    return np.round(values.astype(np.float64) * 2.0**FRACTION).astype(np.int32)
 
 
 def places(light: NDArray[np.floating[Any]]) -> NDArray[np.int64]:
