@@ -42,11 +42,11 @@ class Arena:
         self._owner: object = None
 
     def claim(self, owner: object) -> None:
-        """Empty the arena, unless it was the same owner who used it last."""
-        if self._owner is not owner:
+        """Empty the arena, unless it is new or it was the same owner who used it last."""
+        if self._owner is not None and self._owner is not owner:
             for field in (self.light, self.halo, self.bloom):
                 field.fill(0.0)
-            self._owner = owner
+        self._owner = owner
 
 
 def arena_for(nodes: int, coarse: int, columns: int) -> Arena:

@@ -3,17 +3,22 @@
 A sprite is light spread over a round spot: its place (pixels), its radius, its energy (the sum of all pixel
 values it adds, for a tint of 1) and its place in the tint's table; smeared sprites also have a tail, the
 vector back to where they were when the shutter opened. Particles that are not seen get energy 0.
+
+Functions take one particle by its number, or PACK of them by a list of their numbers; a place or a direction is then a
+list of packs.
 """
 
 import math
 
 import taichi as ti
 
-from particlecli.render.arrays import Integers, Row, Rows, vec2, vec3
+from particlecli.render.arrays import Integers, Row, Rows, vec3
 from particlecli.render.particles import GIVEN, LIFE_SHARE, SPEED
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.sprites import ENERGY, PACK, RADIUS, SEEN, TAIL_X, TAIL_Y, TINT, X, Y
 from particlecli.render.tasks import CHUNK, GRAIN, LANES
+
+_SINGLE = ti.types.vector(PACK, ti.f32)
 
 
 @ti.func
@@ -24,9 +29,43 @@ def smooth(t):
 
 
 @ti.func
+def taken(row: ti.template(), i):
+    """A particle's number in a row, or a pack of them."""
+    if ti.static(isinstance(i, list)):
+        return _SINGLE([row[k] for k in i])
+    return row[i]
+
+
+@ti.func
 def vector(rows: ti.template(), i):
     """A vector of three rows."""
+    if ti.static(isinstance(i, list)):
+        return [_SINGLE([rows[c, k] for k in i]) for c in ti.static(range(3))]
     return vec3(rows[0, i], rows[1, i], rows[2, i])
+
+
+@ti.func
+def _bound(value):
+    return value
+
+
+@ti.func
+def _offset(point, origin):
+    return [_bound(point[c] - origin[c]) for c in ti.static(range(3))]
+
+
+@ti.func
+def dot(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@ti.func
+def _alike(number, i):
+    """A number for each particle."""
+    if ti.static(isinstance(i, list)):
+        return _SINGLE(number)
+    return number
 
 
 @ti.func
@@ -35,22 +74,23 @@ def table_place(
     paint, source,
 ):  # fmt: skip
     """Place of a particle in the tint's table, between the first and the last."""
-    value = paint.low
+    value = _alike(paint.low, i)
     if source == GIVEN:
-        value = quantity[i]
+        value = taken(quantity, i)
     elif source == LIFE_SHARE:
-        value = ages[i] / lifetimes[i]
+        value = taken(ages, i) / taken(lifetimes, i)
     elif source == SPEED:
-        value = vector(velocities, i).norm()
+        velocity = vector(velocities, i)
+        value = ti.sqrt(dot(velocity, velocity))
     return ti.min(ti.max((value - paint.low) * paint.scale, 0.0), paint.last)
 
 
 @ti.func
 def radiance(i, ages: ti.template(), lifetimes: ti.template(), paint, fading):
     """Light of each pixel that a particle covers, for a tint of 1."""
-    light = paint.brightness
+    light = _alike(paint.brightness, i)
     if fading:
-        share = ages[i] / lifetimes[i]
+        share = taken(ages, i) / taken(lifetimes, i)
         rise = smooth(share * paint.rise + paint.rise_start)
         light = light * rise * smooth((1.0 - share) * paint.fall + paint.fall_end)
     return light
@@ -81,30 +121,29 @@ def blurred(radius, depth, lens):
 @ti.func
 def on_picture(point, lens):
     """Place in pixels, pixels a metre there, and how much of the light comes past the near limit."""
-    depth = point.dot(lens.forward)
+    depth = dot(point, lens.forward)
     scale = scale_at(depth, lens)
-    across, up = point.dot(lens.right) * scale, point.dot(lens.up) * scale
-    return vec2(lens.center_x + across, lens.center_y - up), scale, smooth(depth / lens.near - 1.0)
+    across, up = dot(point, lens.right) * scale, dot(point, lens.up) * scale
+    return [lens.center_x + across, lens.center_y - up], scale, smooth(depth / lens.near - 1.0)
 
 
 @ti.func
 def exposed(i, ages: ti.template(), paint, aged):
     """For how long a particle was seen while the shutter was open, and the share of the exposure that is."""
-    seconds, share = paint.exposure, 1.0
+    seconds = _alike(paint.exposure, i)
     if aged:
-        seconds = ti.min(seconds, ages[i])
-        share = seconds / paint.exposure
-    return seconds, share
+        seconds = ti.min(seconds, taken(ages, i))
+    return seconds, seconds / paint.exposure
 
 
 @ti.func
 def start_of_path(point, velocity, seconds, lens):
     """Where a particle was `seconds` ago, in pixels; if behind the camera, where it passed the near limit."""
-    before = point - velocity * seconds
-    depth, depth_before = point.dot(lens.forward), before.dot(lens.forward)
-    if depth_before < lens.near and depth > lens.near:
-        before = point + (before - point) * ((depth - lens.near) / (depth - depth_before))
-    place, _, _ = on_picture(before, lens)
+    way = [velocity[c] * seconds for c in ti.static(range(3))]
+    depth, depth_before = dot(point, lens.forward), dot(point, lens.forward) - dot(way, lens.forward)
+    passed = (depth_before < lens.near) & (depth > lens.near)
+    share = ti.select(passed, (depth - lens.near) / (depth - depth_before), 1.0)
+    place, _, _ = on_picture([point[c] - way[c] * share for c in ti.static(range(3))], lens)
     return place
 
 
@@ -130,12 +169,12 @@ def put_tail(sprites: ti.template(), which, k, tail):
 def project(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
     shot: Row, planes: Rows, counter: Integers, sprites: ti.template(),
-    source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.template(), occluders: ti.template(),
+    source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32, occluders: ti.i32,
 ):  # fmt: skip
     """Sprites of `count` particles from the `first` on, as the camera sees them; `shot` has its lens and their paint.
 
     Energy is π radius² × radiance. Particles behind one of the `occluders` planes (normal, height of the
-    camera above it) are hidden.
+    camera above it) are hidden. Idle lanes of the last pack repeat the last particle.
     """
     counter[0] = 0
     for lane in range(LANES):
@@ -143,20 +182,25 @@ def project(
             lens, paint = lens_in(shot), paint_in(shot)
             chunk = ti.atomic_add(counter[0], 1)
             while chunk * CHUNK < count:
-                for k in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-                    i = first + k
-                    point = vector(positions, i) - lens.origin
+                end = ti.min(count, chunk * CHUNK + CHUNK)
+                for b in range(chunk * CHUNK // PACK, (end + PACK - 1) // PACK):
+                    i = [_bound(first + ti.min(b * PACK + k, count - 1)) for k in ti.static(range(PACK))]
+                    point = _offset(vector(positions, i), lens.origin)
                     place, scale, light = on_picture(point, lens)
                     radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
-                    for p in ti.static(range(occluders)):
-                        height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
+                    for p in range(occluders):
+                        height = planes[p, 3] + dot([planes[p, 0], planes[p, 1], planes[p, 2]], point)
                         light = light * above(height, radius / scale)
                     light = light * radiance(i, ages, lifetimes, paint, fading)
-                    if ti.static(smeared):
+                    if smeared:
                         seconds, share = exposed(i, ages, paint, aged)
                         light = light * share
-                        put_tail(sprites, SEEN, k, start_of_path(point, vector(velocities, i), seconds, lens) - place)
-                    tint = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
-                    wide = ti.min(blurred(radius, point.dot(lens.forward), lens), lens.largest)
-                    put(sprites, SEEN, k, place, wide, light * (math.pi * radius * radius), tint)
+                        start = start_of_path(point, vector(velocities, i), seconds, lens)
+                        sprites[SEEN, TAIL_X, b] = start[0] - place[0]
+                        sprites[SEEN, TAIL_Y, b] = start[1] - place[1]
+                    sprites[SEEN, X, b] = place[0]
+                    sprites[SEEN, Y, b] = place[1]
+                    sprites[SEEN, RADIUS, b] = ti.min(blurred(radius, dot(point, lens.forward), lens), lens.largest)
+                    sprites[SEEN, ENERGY, b] = light * (math.pi * radius * radius)
+                    sprites[SEEN, TINT, b] = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
                 chunk = ti.atomic_add(counter[0], 1)

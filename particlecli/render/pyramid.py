@@ -75,12 +75,11 @@ class Pyramid:
         rest = (self._counter, self.table, steps, share)
         last = len(self.levels) - 1
         small = next(place for place in range(1, last + 1) if self._is_small(place) or place == last)
-        scattering = share > 0
         for place in range(small):
-            widen(place, *buffers, *rest, place == 0, scattering, place < NARROW_LEVELS)
+            widen(place, *buffers, *rest, place == 0, place < NARROW_LEVELS)
         settle_small(small, last, *buffers, self.table, steps, share)
         for place in range(small - 1, onto - 1, -1):
-            gather(place, *buffers, *rest, place == 0, scattering)
+            gather(place, *buffers, *rest, place == 0)
 
     def _is_small(self, place: int) -> bool:
         return self.levels[place].width * self.levels[place].height <= SMALL

@@ -35,7 +35,7 @@ POOL_BLUR = 0.7
 @ti.func
 def _mirrored(
     i, k, point, velocities: ti.template(), ages: ti.template(), lens, paint, mirror, light, tint, resolution,
-    sprites: ti.template(), aged, smeared: ti.template(),
+    sprites: ti.template(), aged, smeared,
 ):  # fmt: skip
     """Set the sprite of a particle's mirror image in a rough plane; `resolution` scales the picture.
 
@@ -45,21 +45,23 @@ def _mirrored(
     height = mirror.height + mirror.normal.dot(point)
     image = point - 2.0 * height * mirror.normal
     place, scale, seen = on_picture(image, lens)
+    x, y = place[0], place[1]
     radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
     way = height + mirror.height
     grazing = 1.0 - way / image.norm()
     seen = seen * (FACING + (1.0 - FACING) * grazing * grazing * grazing)
     seen = seen * mirror.strength * above(height, radius / scale) * light
-    if ti.static(smeared):
+    if smeared:
         seconds, share = exposed(i, ages, paint, aged)
         seen = seen * share
         velocity = vector(velocities, i)
         velocity = velocity - 2.0 * mirror.normal.dot(velocity) * mirror.normal
-        put_tail(sprites, SEEN, k, (start_of_path(image, velocity, seconds, lens) - place) * resolution)
+        start = start_of_path(image, velocity, seconds, lens)
+        put_tail(sprites, SEEN, k, vec2(start[0] - x, start[1] - y) * resolution)
     spread = lens.focal * mirror.roughness * ti.max(height, 0.0) / ti.max(way, 1e-6)
     sharp = ti.sqrt(radius * radius + 4.0 * spread * spread)
     wide = ti.min(blurred(sharp, image.dot(lens.forward), lens), lens.largest) * resolution
-    put(sprites, SEEN, k, place * resolution, wide, seen * math.pi * (radius * resolution) ** 2, tint)
+    put(sprites, SEEN, k, vec2(x, y) * resolution, wide, seen * math.pi * (radius * resolution) ** 2, tint)
 
 
 @ti.func
@@ -84,7 +86,7 @@ def reflect(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
     ids: Ids, shot: Row, counter: Integers, sprites: ti.template(),
     mirrored_one_in: ti.i32, pooled_one_in: ti.i32, resolution: ti.f32,
-    source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.template(),
+    source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32,
 ):  # fmt: skip
     """Sprites of the particles' mirror images in a plane, and of the light that they throw on it.
 

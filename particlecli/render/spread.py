@@ -55,31 +55,28 @@ def refined(light: ti.template(), node, pitch, odd):
 @ti.func
 def _leaving(
     light: ti.template(), halo: ti.template(), bloom: ti.template(), node, first, share,
-    finest: ti.template(), scattering: ti.template(),
+    finest: ti.template(),
 ):  # fmt: skip
     """Halo and bloom that go on from a node, which has those that came at `node − first`; none came to the finest."""
     here = light[node]
     onwards = here * here[3]
-    scattered = vec4(0.0)
-    if ti.static(scattering):
-        scattered = share * (here - onwards)
+    scattered = share * (here - onwards)
     if ti.static(not finest):
         arrived = halo[node - first]
         onwards = onwards + CARRIED * arrived
-        if ti.static(scattering):
-            scattered = scattered + bloom[node - first] + (share * (1.0 - CARRIED)) * arrived
+        scattered = scattered + bloom[node - first] + (share * (1.0 - CARRIED)) * arrived
     return onwards, scattered
 
 
 @ti.func
 def _column(
     light: ti.template(), halo: ti.template(), bloom: ti.template(), node, pitch, first, share,
-    finest: ti.template(), scattering: ti.template(), narrow: ti.template(),
+    finest: ti.template(), narrow: ti.template(),
 ):  # fmt: skip
     """Halo and bloom that go on from nodes above each other, weighted."""
     wide, lens = vec4(0.0), vec4(0.0)
     for k, weight in ti.static(_NARROW if narrow else _WIDE):
-        onwards, scattered = _leaving(light, halo, bloom, node + k * pitch, first, share, finest, scattering)
+        onwards, scattered = _leaving(light, halo, bloom, node + k * pitch, first, share, finest)
         wide = wide + weight * onwards
         lens = lens + weight * scattered
     return wide, lens
@@ -97,7 +94,7 @@ def _across(a, b, c, d, e, narrow: ti.template()):
 @ti.func
 def _widen_row(
     row, level, light: ti.template(), halo: ti.template(), bloom: ti.template(), levels: ti.template(),
-    stays: ti.template(), share, finest: ti.template(), scattering: ti.template(), narrow: ti.template(),
+    stays: ti.template(), share, finest: ti.template(), narrow: ti.template(),
 ):  # fmt: skip
     """Halve a level's halo and bloom into one row of the next; the weights keep light and centroids."""
     first, pitch = levels[level, SHIFT], levels[level, PITCH]
@@ -105,42 +102,39 @@ def _widen_row(
     y = MARGIN - REACH + row
     node = levels[level, OFFSET] + (2 * y - MARGIN) * pitch + MARGIN - 2 * REACH
     target = levels[level + 1, OFFSET] - first + y * levels[level + 1, PITCH] + MARGIN - REACH
-    a, p = _column(light, halo, bloom, node - 2, pitch, first, share, finest, scattering, narrow)
-    b, q = _column(light, halo, bloom, node - 1, pitch, first, share, finest, scattering, narrow)
-    c, r = _column(light, halo, bloom, node, pitch, first, share, finest, scattering, narrow)
+    a, p = _column(light, halo, bloom, node - 2, pitch, first, share, finest, narrow)
+    b, q = _column(light, halo, bloom, node - 1, pitch, first, share, finest, narrow)
+    c, r = _column(light, halo, bloom, node, pitch, first, share, finest, narrow)
     for i in range(width + 2 * REACH):
         here = node + 2 * i
-        d, s = _column(light, halo, bloom, here + 1, pitch, first, share, finest, scattering, narrow)
-        e, t = _column(light, halo, bloom, here + 2, pitch, first, share, finest, scattering, narrow)
+        d, s = _column(light, halo, bloom, here + 1, pitch, first, share, finest, narrow)
+        e, t = _column(light, halo, bloom, here + 2, pitch, first, share, finest, narrow)
         halo[target + i] = _across(a, b, c, d, e, narrow)
         a, b, c = c, d, e
-        if ti.static(scattering):
-            bloom[target + i] = _across(p, q, r, s, t, narrow) * goes_on
-            p, q, r = r, s, t
+        bloom[target + i] = _across(p, q, r, s, t, narrow) * goes_on
+        p, q, r = r, s, t
 
 
 @ti.func
 def _settled(
     light: ti.template(), halo: ti.template(), bloom: ti.template(), node, first, share, settling, carried,
-    finest: ti.template(), scattering: ti.template(),
+    finest: ti.template(),
 ):  # fmt: skip
     """What a level holds at a node once halos and bloom are spread."""
     here = light[node]
     settled = here - here * here[3]
     if ti.static(not finest):
         settled = settled + (1.0 - carried) * halo[node - first]
-    if ti.static(scattering):
-        scattered = share * settled
-        if ti.static(not finest):
-            scattered = scattered + bloom[node - first]
-        settled = settled * (1.0 - share) + scattered * settling
-    return settled
+    scattered = share * settled
+    if ti.static(not finest):
+        scattered = scattered + bloom[node - first]
+    return settled * (1.0 - share) + scattered * settling
 
 
 @ti.func
 def _gather_row(
     row, level, light: ti.template(), halo: ti.template(), bloom: ti.template(), levels: ti.template(),
-    stays: ti.template(), share, finest: ti.template(), coarsest: ti.template(), scattering: ti.template(),
+    stays: ti.template(), share, finest: ti.template(), coarsest: ti.template(),
 ):  # fmt: skip
     """Settle one row of a level: its own light, its part of halos and bloom, and what coarser levels hold.
 
@@ -164,9 +158,9 @@ def _gather_row(
         if ti.static(not coarsest):
             right = refined(light, above + i + 1, pitch, odd)
         here = node + 2 * i
-        own = _settled(light, halo, bloom, here, first, share, settling, carried, finest, scattering)
+        own = _settled(light, halo, bloom, here, first, share, settling, carried, finest)
         light[here] = own + 0.25 * (0.125 * (left + right) + 0.75 * middle)
-        own = _settled(light, halo, bloom, here + 1, first, share, settling, carried, finest, scattering)
+        own = _settled(light, halo, bloom, here + 1, first, share, settling, carried, finest)
         light[here + 1] = own + 0.125 * (middle + right)
         left = middle
         middle = right
@@ -183,7 +177,7 @@ def clear(light: ti.template(), first: ti.i32, end: ti.i32):
 def widen(
     level: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
     counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32,
-    finest: ti.template(), scattering: ti.template(), narrow: ti.template(),
+    finest: ti.template(), narrow: ti.template(),
 ):  # fmt: skip
     """Spread the halos and the bloom of one level into the next; see `Pyramid.collapse`."""
     counter[0] = 0
@@ -199,7 +193,7 @@ def widen(
         if lane % GRAIN == 0:
             row = ti.atomic_add(counter[0], 1)
             while row < rows:
-                _widen_row(row, level, light, halo, bloom, levels, stays, share, finest, scattering, narrow)
+                _widen_row(row, level, light, halo, bloom, levels, stays, share, finest, narrow)
                 row = ti.atomic_add(counter[0], 1)
 
 
@@ -207,7 +201,7 @@ def widen(
 def gather(
     level: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
     counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32,
-    finest: ti.template(), scattering: ti.template(),
+    finest: ti.template(),
 ):  # fmt: skip
     """Settle one level, once all coarser ones are."""
     rows = levels[level, HEIGHT] + 2 * REACH
@@ -216,7 +210,7 @@ def gather(
         if lane % GRAIN == 0:
             row = ti.atomic_add(counter[0], 1)
             while row < rows:
-                _gather_row(row, level, light, halo, bloom, levels, stays, share, finest, False, scattering)
+                _gather_row(row, level, light, halo, bloom, levels, stays, share, finest, False)
                 row = ti.atomic_add(counter[0], 1)
 
 
@@ -234,10 +228,10 @@ def settle_small(
             for row in range(_rows(fine + 1, levels)):
                 _share_row(row, fine + 1, light, levels)
             for row in range(levels[fine + 1, HEIGHT] + 2 * REACH):
-                _widen_row(row, fine, light, halo, bloom, levels, stays, share, False, True, False)
+                _widen_row(row, fine, light, halo, bloom, levels, stays, share, False, False)
         for row in range(levels[last, HEIGHT] + 2 * REACH):
-            _gather_row(row, last, light, halo, bloom, levels, stays, share, False, True, True)
+            _gather_row(row, last, light, halo, bloom, levels, stays, share, False, True)
         for step in range(last - level):
             fine = last - 1 - step
             for row in range(levels[fine, HEIGHT] + 2 * REACH):
-                _gather_row(row, fine, light, halo, bloom, levels, stays, share, False, False, True)
+                _gather_row(row, fine, light, halo, bloom, levels, stays, share, False, False)
