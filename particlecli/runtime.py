@@ -12,6 +12,8 @@ import io
 import os
 import warnings
 import weakref
+from collections.abc import Callable
+from types import CodeType
 from typing import Any, Literal
 
 Precision = Literal["single", "double"]
@@ -86,17 +88,34 @@ def _abandoned() -> bool:
 
 
 def _trace_fast() -> None:
-    """Let Taichi name file and line alone where it traces kernels.
+    """Let Taichi name file and line alone where it traces kernels, and look for the source of a function only once.
 
     It lays out the source of every node in lines of 80 characters, in case there is an error to show, which takes a
-    third of the time of tracing; and kernels are traced in every process, also those that the cache has compiled.
+    third of the time of tracing; and to look up a function's source at each of its calls takes half of the rest.
+    Kernels are traced in every process, also those that the cache has compiled.
     """
+    from taichi.lang import kernel_impl
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
     def position(context: Any, node: Any) -> str:
         return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
 
     ASTTransformerContext.get_pos_info = position
+    if _epoch == 0:
+        kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
+        kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
+
+
+def _once(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """What is read of a function, kept for all functions with the same code."""
+    known: dict[CodeType, Any] = {}
+
+    def of(function: Any) -> Any:
+        if function.__code__ not in known:
+            known[function.__code__] = read(function)
+        return known[function.__code__]
+
+    return of
 
 
 def epoch() -> int:
