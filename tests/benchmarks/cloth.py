@@ -69,7 +69,7 @@ def measure() -> list[Figure]:
     ]
 
 
-def cloth(scheme: str, steps: int):  # type: ignore[no-untyped-def]
+def cloth(scheme: str, steps: int, precision: str = "single"):  # type: ignore[no-untyped-def]
     """The system of the cloth, by so many steps of a scheme in each 1/120 s."""
     group = {
         "layout": {"type": "grid", "counts": [ACROSS, 1, ACROSS], "spacing": SPACING},
@@ -79,7 +79,7 @@ def cloth(scheme: str, steps: int):  # type: ignore[no-untyped-def]
     scene = {
         "duration": 100,
         "fps": 120,
-        "precision": "single",
+        "precision": precision,
         "particles": {"cloth": group},
         "forces": [{"type": "gravity"}, {"type": "springs", "stiffness": STIFFNESS}],
         "integrator": {"type": scheme, "dt": DT / steps},

@@ -100,8 +100,8 @@ class CoupledTerm(ABC, Generic[Spec]):
         return [0.0 * self.points.mass[b] for _ in ti.static(range(6))]
 
     @ti.func
-    def apply(self, b, vectors: ti.template(), top):
-        """Three packs: what the same matrix beside its diagonal makes of vectors in rows from `top` on, at pack b."""
+    def apply(self, b, vectors: ti.template()):
+        """Three packs: what the same matrix beside its diagonal makes of vectors at pack b."""
         return [0.0 * self.points.mass[b] for _ in ti.static(range(3))]
 
     @ti.func

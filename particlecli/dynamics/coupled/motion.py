@@ -76,13 +76,13 @@ class CoupledMotion:
         return [xx, xy, xz, yy, yz, zz]
 
     @ti.func
-    def apply(self, b, vectors: ti.template(), top):
+    def apply(self, b, vectors: ti.template()):
         """What all forces make of vectors beside the diagonal, three packs, as of `CoupledTerm.apply`."""
         zero = 0.0 * self.points.mass[b]
         x, y, z = zero, zero, zero
         for j in ti.static(range(len(self.terms))):
             if self._concerns(j, b):
-                part = self.terms[j].apply(b, vectors, top)
+                part = self.terms[j].apply(b, vectors)
                 x, y, z = x + part[0], y + part[1], z + part[2]
         return [x, y, z]
 

@@ -1,4 +1,9 @@
-"""A multigrid preconditioner for implicit steps: particles that springs join, together on ever coarser levels."""
+"""A multigrid preconditioner for implicit steps: particles that springs join, together on ever coarser levels.
+
+What a V-cycle over the coarser levels finds is added to what the particles' own blocks make of the residual: so the
+finest level, where all the bytes are, is multiplied by its matrix once an iteration of conjugate gradients and not
+three times. It takes twice the iterations and two thirds of the time.
+"""
 
 from collections.abc import Sequence
 
@@ -6,6 +11,7 @@ import numpy as np
 import taichi as ti
 from scipy.sparse import coo_array, csr_array
 
+from particlecli.dynamics.coupled.blocks import inverted, multiplied, product
 from particlecli.dynamics.coupled.hierarchy import Coarsening, Graph, coarsenings
 from particlecli.dynamics.coupled.packed_rows import PackedRows
 from particlecli.dynamics.coupled.pins import Pins
@@ -16,7 +22,7 @@ from particlecli.dynamics.group_plan import LANES
 DAMPING = 2.0 / 3.0
 """ω of the steps x += ω D⁻¹ (b − A x) before and after each coarser level (Jacobi's method by blocks).
 
-The eigenvalues of D⁻¹A are below 2 for springs and below 2.6 on coarser levels, so ω is small enough for both.
+The eigenvalues of D⁻¹A are below 2.6 on coarser levels, so ω is small enough.
 """
 
 
@@ -168,16 +174,24 @@ class Multigrid:
         return row
 
     @ti.func
+    def restrict(self, r):
+        """Begin a V-cycle at pack r of the first coarser level, from what is left on the finest, by row in `rest`."""
+        self._set(self.right, r, self._combined(self.down, r, self.rest))
+        self._set(self.guess, r, damped(product(self.inverses, r, self.right)))
+
+    @ti.func
     def solve(self):
-        """One V-cycle over all levels but the finest, of which `rest` is left, by row; on one thread."""
+        """One V-cycle over all levels but the finest, once all packs of the first have begun; on one thread.
+
+        Returns: what was found, times what was left, on the first of them.
+        """
         for turn in range(2 * self.levels):
             falls = turn < self.levels
             level = turn if falls else 2 * self.levels - 1 - turn
             for r in range(self.packs[level], self.packs[level + 1]):
-                if falls:
-                    self._set(self.right, r, self._combined(self.down, r, self.rest))
-                    self._set(self.guess, r, damped(product(self.inverses, r, self.right, 0)))
-                elif level < self.levels - 1:
+                if falls and level > 0:
+                    self.restrict(r)
+                elif level < self.levels - 1 and not falls:
                     more = self.prolonged(self.rows[-1] + r)
                     self._set(self.guess, r, [self.guess[c, r] + more[c] for c in ti.static(range(3))])
             for r in range(self.packs[level], self.packs[level + 1]):
@@ -185,6 +199,13 @@ class Multigrid:
                 self._set(self.rest, self.rows[-1] + r, rest)
                 better = damped(multiplied([self.inverses[c, r] for c in ti.static(range(6))], rest))
                 self._set(self.solution, r, [self.guess[c, r] + better[c] for c in ti.static(range(3))])
+        total = ti.cast(0.0, ti.f64)
+        for r in range(self.packs[1]):
+            part = 0.0 * self.right[0, r]
+            for c in ti.static(range(3)):
+                part += self.right[c, r] * self.solution[c, r]
+            total += ti.cast(part.sum(), ti.f64)
+        return total
 
     @ti.func
     def _set(self, field: ti.template(), r, packs):
@@ -194,7 +215,7 @@ class Multigrid:
     @ti.func
     def _rest(self, r):
         """b − A x of a pack of a coarser level."""
-        own = product(self.inner, r, self.guess, 0)
+        own = product(self.inner, r, self.guess)
         x, y, z = self.right[0, r] - own[0], self.right[1, r] - own[1], self.right[2, r] - own[2]
         for slot in range(self.neighbors[0][r], self.neighbors[0][r + 1]):
             qx, qy, qz = self._gathered(self.guess, self.neighbors[1][slot])
@@ -226,37 +247,6 @@ class Multigrid:
             pack, place = numbers[lane] >> 4, numbers[lane] & 15
             x[lane], y[lane], z[lane] = field[0, pack][place], field[1, pack][place], field[2, pack][place]
         return x, y, z
-
-
-@ti.func
-def product(blocks: ti.template(), b, vectors: ti.template(), first):
-    """Symmetric 3×3 matrices xx, xy, xz, yy, yz, zz times vectors in the rows from `first`, of pack b."""
-    return multiplied([blocks[c, b] for c in ti.static(range(6))], [vectors[first + c, b] for c in ti.static(range(3))])
-
-
-@ti.func
-def multiplied(block, vector):
-    """A symmetric 3×3 matrix xx, xy, xz, yy, yz, zz times a vector."""
-    xx, xy, xz, yy, yz, zz = block[0], block[1], block[2], block[3], block[4], block[5]
-    x, y, z = vector[0], vector[1], vector[2]
-    return [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
-
-
-@ti.func
-def inverted(block):
-    """The inverse of such a matrix; of one that rounding has made singular, that of its trace; zero of zero."""
-    xx, xy, xz, yy, yz, zz = block[0], block[1], block[2], block[3], block[4], block[5]
-    det = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    share, trace = ti.select(det > 0.0, 1.0 / det, 0.0), xx + yy + zz
-    rest = ti.select((det > 0.0) | (trace <= 0.0), 0.0, 1.0 / trace)
-    return [
-        (yy * zz - yz * yz) * share + rest,
-        (xz * yz - xy * zz) * share,
-        (xy * yz - xz * yy) * share,
-        (xx * zz - xz * xz) * share + rest,
-        (xy * xz - xx * yz) * share,
-        (xx * yy - xy * xy) * share + rest,
-    ]
 
 
 @ti.func

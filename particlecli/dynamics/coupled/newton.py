@@ -6,19 +6,27 @@ import math
 from collections.abc import Callable
 
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
-from particlecli.dynamics.coupled.krylov import CHANGE, SIZE, Krylov
+from particlecli.dynamics.coupled.krylov import FOUND, RESIDUAL, ROUNDING, SIZE, Krylov
 from particlecli.errors import SimulationError
 
-ACCURACY = {4: 1e-3, 8: 1e-8}
-"""By bytes of a number: what the last change of the accelerations may be, in parts of them and of speed over step, or
-of the largest of these so far: where everything comes to rest, only rounding is left to be right about."""
+FIRST_ORDER = {4: 0.2, 8: 1e-3}
+"""By bytes of a number: what the last change δ of the accelerations k may be for a scheme of first order, in parts of
+them: √(δ·Aδ / Σ m |k|²) with the matrix A of Newton's equations.
+
+Times ½ h² a² both are energies: that of the last change, its stretch included, and that which a step of implicit Euler
+takes from the motion by its own error, ½ Σ m |h k|². What the last change leaves over is taken too, by the next step:
+in single precision up to a tenth of what the scheme takes anyway. Nothing smaller is asked for than what rounding of
+positions is worth in the same measure.
+"""
+
+HIGHER_ORDER = {4: 1e-2, 8: 1e-9}
+"""The same for schemes of higher order, which take less or nothing."""
 
 FORCING = 0.1
-"""Conjugate gradients end when the error, as their preconditioner measures it, is this share of what it was, in energy,
-and of the change that they have found, in size: energy alone is that of stiff modes, and soft ones would not be solved
-for."""
+"""Conjugate gradients end when r·z, which estimates the square of the error that is left in the norm of A, is the
+square of this share of what has been found."""
 
-MOST_ITERATIONS, MOST_GRADIENTS = 25, 4000
+MOST_ITERATIONS, MOST_GRADIENTS = 50, 4000
 """Iterations of Newton's method, and of conjugate gradients in each, after which a step is cut in two."""
 
 MOST_CUTS = 8
@@ -26,7 +34,10 @@ MOST_CUTS = 8
 
 
 class Newton:
-    """Steps of a scheme whose stages are solved for one after the other.
+    """Steps of a scheme whose stages are solved for one after the other, each from no acceleration.
+
+    What was found in the step before is no better to begin with: what it leaves over in stiff springs would be
+    extrapolated, and grow.
 
     Args:
         krylov: the kernels.
@@ -34,6 +45,7 @@ class Newton:
         prepare: gets forces ready at a time, s.
         revert: brings so many packs back to the beginning of the step.
         end: ends a step, given its start, now and length.
+        order: of the scheme.
         real_bytes: size of a number.
     """
 
@@ -44,16 +56,13 @@ class Newton:
         prepare: Callable[[float], None],
         revert: Callable[[int], None],
         end: Callable[[float, float, float], None],
+        order: float,
         real_bytes: int,
     ) -> None:
         self._krylov, self._stages = krylov, stages
         self._prepare, self._revert, self._end = prepare, revert, end
-        self._accuracy = ACCURACY[real_bytes]
-        self.restart()
-
-    def restart(self) -> None:
-        """Forget how large accelerations were."""
-        self._left = self._largest = 0.0
+        self._accuracy = (FIRST_ORDER if order == 1 else HIGHER_ORDER)[real_bytes]
+        self._left = 0.0
 
     def compile(self) -> None:
         """Compile the kernels, by advancing nobody."""
@@ -61,9 +70,9 @@ class Newton:
         self._krylov.evaluate(0, 0, 0.0)
         self._krylov.linearize(0, 0, 0.0, 1.0, 1.0)
         self._krylov.refresh()
-        self._krylov.iterate(0, begun=True)
-        self._krylov.update(0, 0, 1.0)
-        self._krylov.forget(0)
+        self._krylov.iterate(0, 1)
+        self._krylov.update(0, 0)
+        self._krylov.forget(0, 0)
 
     def step(self, packs: int, start: float, now: float, h: float, cuts: int = 0) -> int:
         """A step of length h from `now`, s after `start`; returns how many evaluations it took.
@@ -84,7 +93,6 @@ class Newton:
                 "precision: double"
             )
         self._revert(packs)
-        self._krylov.forget(packs)
         evaluations += self.step(packs, start, now, h / 2, cuts + 1)
         return evaluations + self.step(packs, start, now + h / 2, h / 2, cuts + 1)
 
@@ -104,40 +112,40 @@ class Newton:
         return True, evaluations
 
     def _solve_stage(self, i: int, packs: int, start: float, now: float, h: float) -> tuple[bool, int]:
-        """Whether a stage was found, from where it was in the step before, and how many evaluations that took."""
+        """Whether a stage was found, and how many evaluations that took."""
         factor, time = h * self._stages.own_weights[i], start + now + self._stages.times[i] * h
-        smallest, evaluations = math.inf, 0
+        smallest = math.inf
+        self._krylov.forget(i, packs)
         for iteration in range(MOST_ITERATIONS):
             self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
             self._prepare(time)
             self._krylov.linearize(i, packs, time, factor**2, factor)
-            evaluations += 1
+            if iteration == 0:
+                self._krylov.refresh()
             if not self._descend(packs):
-                return False, evaluations
-            self._krylov.update(i, packs, h)
+                return False, iteration + 1
+            self._krylov.update(i, packs)
             numbers = self._krylov.found.array
-            if not math.isfinite(numbers[CHANGE] + numbers[SIZE]):
-                return False, evaluations
-            largest = max(self._largest, numbers[SIZE])
-            self._left = math.sqrt(numbers[CHANGE] / largest) if largest > 0 else 0.0
-            if self._left <= self._accuracy:
-                self._largest = largest
-                return True, evaluations
+            change, size = numbers[FOUND], numbers[SIZE]
+            if not math.isfinite(change + size):
+                return False, iteration + 1
+            self._left = math.sqrt(change / size) if size > 0 else 0.0
+            if self._left <= self._accuracy or change <= numbers[ROUNDING] / factor**4:
+                return True, iteration + 1
             if not self._left < 1e3 * smallest:
-                return False, evaluations
+                return False, iteration + 1
             smallest = min(smallest, self._left)
-        return False, evaluations
+        return False, MOST_ITERATIONS
 
     def _descend(self, packs: int) -> bool:
         """Solve Newton's equations; whether conjugate gradients converged."""
-        self._krylov.refresh()
-        first = left = self._krylov.iterate(packs, begun=False)[0]
+        numbers = self._krylov.found.array
+        self._krylov.iterate(packs, 0)
         for _ in range(MOST_GRADIENTS):
-            if left == 0.0:
-                return True
-            left, error, found = self._krylov.iterate(packs, begun=True)
+            self._krylov.iterate(packs, 1)
+            left, found = numbers[RESIDUAL], numbers[FOUND]
             if not 0.0 <= left < math.inf:
                 return False
-            if left <= FORCING**2 * first and error <= FORCING**2 * found:
+            if left <= FORCING**2 * found:
                 return True
         return False

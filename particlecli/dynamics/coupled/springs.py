@@ -50,7 +50,7 @@ class Springs(CoupledTerm[scene.Springs]):
         self.columns = ti.field(pack, shape=(3 if self.needs_places else 1, rows))
         if len(partners):
             points.memory.view(self.columns, np.stack(columns[: 3 if self.needs_places else 1]))
-        self.stiff = ti.field(pack, shape=(5, rows) if plans[0].implicit else (5, 1))
+        self.stiff = ti.field(pack, shape=(4, rows) if plans[0].implicit else (4, 1))
         self._partners = points.memory.view(self.partners, partners if len(partners) else None)
 
     def restart(self) -> None:
@@ -115,7 +115,7 @@ class Springs(CoupledTerm[scene.Springs]):
 
     @ti.func
     def linearize(self, p, b, t, by_position, by_velocity):
-        """As of `CoupledTerm`: of each spring s n nᵀ + c 1, n along it; without the part that bends under pressure."""
+        """As of `CoupledTerm`: of each spring n nᵀ + c 1, n along it; without the part that bends under pressure."""
         zero = 0.0 * self.points.mass[b]
         xx, xy, xz, yy, yz, zz = zero, zero, zero, zero, zero, zero
         first, row = self._place(b)
@@ -126,24 +126,25 @@ class Springs(CoupledTerm[scene.Springs]):
             taut = ti.max(0.0, 1.0 - self._rest(slot, t) * inverse)
             c = ti.select(joins, by_position * p[0] * taut, 0.0)
             s = ti.select(joins, by_position * p[0] * (1.0 - taut) + by_velocity * p[1], 0.0)
-            for j in ti.static(range(5)):
-                self.stiff[j, slot] = [nx, ny, nz, s, c][j]
+            root = ti.sqrt(s)
+            for j in ti.static(range(4)):
+                self.stiff[j, slot] = [root * nx, root * ny, root * nz, c][j]
             xx, xy, xz = xx + s * nx * nx + c, xy + s * nx * ny, xz + s * nx * nz
             yy, yz, zz = yy + s * ny * ny + c, yz + s * ny * nz, zz + s * nz * nz + c
         return [xx, xy, xz, yy, yz, zz]
 
     @ti.func
-    def apply(self, b, vectors: ti.template(), top):
+    def apply(self, b, vectors: ti.template()):
         """As of `CoupledTerm`."""
         zero = 0.0 * self.points.mass[b]
         x, y, z = zero, zero, zero
         first, row = self._place(b)
         for slot in range(self.starts[row], self.starts[row + 1]):
-            qx = self.points.gathered_from(vectors, top + 0, self.partners[slot], first)
-            qy = self.points.gathered_from(vectors, top + 1, self.partners[slot], first)
-            qz = self.points.gathered_from(vectors, top + 2, self.partners[slot], first)
-            nx, ny, nz = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot]
-            along, c = self.stiff[3, slot] * (nx * qx + ny * qy + nz * qz), self.stiff[4, slot]
+            qx = self.points.gathered_from(vectors, 0, self.partners[slot], first)
+            qy = self.points.gathered_from(vectors, 1, self.partners[slot], first)
+            qz = self.points.gathered_from(vectors, 2, self.partners[slot], first)
+            nx, ny, nz, c = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot], self.stiff[3, slot]
+            along = nx * qx + ny * qy + nz * qz
             x, y, z = x - along * nx - c * qx, y - along * ny - c * qy, z - along * nz - c * qz
         return [x, y, z]
 
@@ -152,8 +153,8 @@ class Springs(CoupledTerm[scene.Springs]):
         """The block beside the diagonal of the spring of entry `place`, xx, xy, xz, yy, yz, zz, as of `linearize`."""
         slot, lane = place // LANES, place % LANES
         nx, ny, nz = self.stiff[0, slot][lane], self.stiff[1, slot][lane], self.stiff[2, slot][lane]
-        s, c = self.stiff[3, slot][lane], self.stiff[4, slot][lane]
-        return [-s * nx * nx - c, -s * nx * ny, -s * nx * nz, -s * ny * ny - c, -s * ny * nz, -s * nz * nz - c]
+        c = self.stiff[3, slot][lane]
+        return [-nx * nx - c, -nx * ny, -nx * nz, -ny * ny - c, -ny * nz, -nz * nz - c]
 
     @ti.func
     def end_step(self, p, b, t):

@@ -87,13 +87,13 @@ class CoupledSystem:
             if self._eventful:
                 self._kernels.end(self.points.packs, start, now, h)
 
-        return Newton(Krylov(step, parts), parts, self._prepare, self._kernels.revert, end, plan.real_bytes)
+        return Newton(
+            Krylov(step, parts), parts, self._prepare, self._kernels.revert, end, plan.scheme.order, plan.real_bytes
+        )
 
     def restart(self) -> None:
         """Begin anew: forget the pace, and what forces have kept."""
         self._pace = Pace()
-        if self._newton:
-            self._newton.restart()
         for term in self.terms:
             term.restart()
 

@@ -66,10 +66,17 @@ def test_errors_fall_with_the_order_of_the_scheme(slack):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scheme", "order"), [("implicit_euler", 1), ("implicit_midpoint", 2), ("trapezoidal", 2)])
-def test_other_schemes_have_their_order_too(scheme, order):
+@pytest.mark.parametrize(
+    ("scheme", "order", "counts"),
+    [
+        ("implicit_euler", 1, (240, 400, 600, 800)),
+        ("implicit_midpoint", 2, (40, 60, 90, 120)),
+        ("trapezoidal", 2, (40, 60, 90, 120)),
+    ],
+)
+def test_other_schemes_have_their_order_too(scheme, order, counts):
     found = cloth(scheme, 20, damping=0.02, precision="double")
-    assert measured_order(found) == pytest.approx(order, abs=0.2)
+    assert measured_order(found, counts) == pytest.approx(order, abs=0.2)
 
 
 def test_a_step_cut_in_two_arrives_all_the_same(slack, monkeypatch):
@@ -192,14 +199,30 @@ def test_equations_without_a_solution_stop_the_run_and_tell_how_far_they_are_fro
     assert caught.value.exit_code == 3
 
 
+ROUNDING = 2e-5
+"""What rounding to single precision is worth in the energy of a fine cloth, J: ½ k (6e-8 m)² of each of 10⁵ springs is
+9e-6 J before a step and after it."""
+
+
 @pytest.mark.slow
 def test_a_fine_stiff_cloth_gains_no_energy():
-    """One swing of 128 × 128 particles, ω dt ≈ 2000: energy of motion, height and springs together, each 1/4 s."""
+    """One swing of 128 × 128 particles, ω dt ≈ 2000: energy of motion, height and springs together, each step."""
     found = fine.cloth("implicit_euler", 1)
-    energies = []
+    energies = [0.0]
     for step in range(120):
         found.advance((step + 1) * fine.DT)
         energies.append(fine.energy(found.get_state().reshape(6, -1)))
-    assert max(energies) < 0.0
-    assert np.diff(energies[29::30]).max() < 0.0
+    assert np.diff(energies).max() < ROUNDING
     assert energies[-1] < -0.1
+
+
+@pytest.mark.slow
+def test_a_fine_stiff_cloth_loses_what_the_scheme_takes_and_little_else():
+    """The same cloth in double precision, which is solved for 300 times as accurately, loses as much in 50 steps."""
+    lost = []
+    for precision in ("single", "double"):
+        found = fine.cloth("implicit_euler", 1, precision)
+        for step in range(50):
+            found.advance((step + 1) * fine.DT)
+        lost.append(fine.energy(found.get_state().reshape(6, -1)))
+    assert lost[0] == pytest.approx(lost[1], rel=0.1)
