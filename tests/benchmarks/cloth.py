@@ -29,7 +29,7 @@ EXPLICIT_STEPS = 1200
 BEGINNING = 12
 """Steps before the clock starts: the cloth has left the plane it began in."""
 
-BATCH, ROUNDS = 4, 2
+BATCH, ROUNDS = 20, 2
 LEAST = 40.0
 
 Numbers = NDArray[np.floating[Any]]
