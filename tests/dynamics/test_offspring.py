@@ -44,24 +44,26 @@ def last_of(simulation):
 
 @pytest.fixture(scope="module")
 def end():
+    """The plan of the scene, its births by group, and its last frame."""
     simulation = made()
-    return simulation, last_of(simulation)
+    frame = last_of(simulation)
+    return simulation.plan, simulation.births, frame
 
 
 def flown(table, elapsed):
     return table.positions + table.velocities * elapsed + 0.5 * G[:, None] * elapsed**2
 
 
-def shells(simulation):
+def shells(plan):
     """What the shells are born with, and when their lifetimes end."""
-    births = simulation.system.groups["shells"].plan.births
+    births = next(group.births for group in plan.groups if group.name == "shells")
     table = births.table(0, births.total)
     return table, table.times + table.lifetimes
 
 
 def test_stars_come_out_of_shells_where_and_when_these_die(end):
-    simulation, frame = end
-    table, ends = shells(simulation)
+    plan, _, frame = end
+    table, ends = shells(plan)
     dead = ends <= frame.time
     stars = frame.groups["stars"]
     assert len(stars) == 4 * np.count_nonzero(dead)
@@ -78,13 +80,13 @@ def test_stars_come_out_of_shells_where_and_when_these_die(end):
 
 
 def test_trails_are_laid_evenly_in_time_along_the_way(end):
-    simulation, frame = end
-    table, ends = shells(simulation)
+    plan, _, frame = end
+    table, ends = shells(plan)
     trail = frame.groups["trail"]
     births = table.times[:, None] + (np.arange(20) + 0.5)[None] / 13
     laid = births <= np.minimum(ends, frame.time)[:, None]
     assert len(trail) == np.count_nonzero(laid)
-    per_parent = next(brood for brood in simulation.plan.broods if brood.child == "trail").each
+    per_parent = next(brood for brood in plan.broods if brood.child == "trail").each
     parents, places = np.divmod(trail.ids, per_parent)
     age = (places + 0.5) / 13
     elapsed = frame.time - (table.times[parents] + age)
@@ -98,7 +100,7 @@ def test_trails_are_laid_evenly_in_time_along_the_way(end):
 @pytest.mark.parametrize("change", [{"fps": 7}, {"dt": 0.037}, {"kind": "dop853"}])
 def test_neither_step_nor_frame_rate_nor_scheme_matters(end, change):
     other = last_of(made(**change))
-    for name, group in end[1].groups.items():
+    for name, group in end[-1].groups.items():
         again = other.groups[name]
         order, there = np.argsort(group.ids), np.argsort(again.ids)
         assert group.ids[order].tolist() == again.ids[there].tolist()
@@ -107,14 +109,14 @@ def test_neither_step_nor_frame_rate_nor_scheme_matters(end, change):
 
 def test_the_number_of_threads_changes_no_bit(end):
     other = last_of(made(threads=1))
-    for name, group in end[1].groups.items():
+    for name, group in end[-1].groups.items():
         assert np.array_equal(group.ids, other.groups[name].ids)
         assert np.array_equal(group.positions, other.groups[name].positions)
 
 
 def test_grandchildren_of_the_same_frame_are_born_too(end):
-    simulation, frame = end
-    assert simulation.births["dust"] > 0
+    _, births, frame = end
+    assert births["dust"] > 0
     assert len(set(frame.groups["dust"].ids)) == len(frame.groups["dust"])
 
 
