@@ -75,8 +75,13 @@ app.command("new")(new.command)
 app.command("schema")(schema.command)
 
 
-def main() -> None:
-    """Runs the command line and exits."""
-    stop_on(signal.SIGINT, signal.SIGTERM)
+def run_app() -> None:
+    """Runs the command line and exits with a code, however it ends."""
     with console.bugs_become_messages():
         app(prog_name="particlecli")
+
+
+def main() -> None:
+    """Runs the command line as a program, which signals stop."""
+    stop_on(signal.SIGINT, signal.SIGTERM)
+    run_app()

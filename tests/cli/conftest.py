@@ -1,7 +1,9 @@
-"""The command line as a user meets it: a process of its own."""
+"""The command line as a user meets it, in a process of its own where that matters."""
 
 from __future__ import annotations
 
+import contextlib
+import io
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import particlecli
+from particlecli.cli.app import run_app
 
 Result = subprocess.CompletedProcess[str]
 Cli = Callable[..., Result]
@@ -34,12 +37,30 @@ def package_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def cli(tmp_path: Path) -> Cli:
-    """Runs `particlecli` with arguments, in a folder of the test's own."""
+def process(tmp_path: Path) -> Cli:
+    """Runs `particlecli` with arguments in a process of its own, in a folder of the test's own."""
 
     def call(*arguments: str | Path) -> Result:
         command = [sys.executable, "-m", "particlecli", *map(str, arguments)]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+
+    return call
+
+
+@pytest.fixture
+def cli(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cli:
+    """Like `process`, but within this one, which has loaded by now what all commands share."""
+
+    def call(*arguments: str | Path) -> Result:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["particlecli", *map(str, arguments)])
+        out, err, code = io.StringIO(), io.StringIO(), 0
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                run_app()
+            except SystemExit as end:
+                code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        return Result(sys.argv, code, out.getvalue(), err.getvalue())
 
     return call
 
