@@ -25,9 +25,10 @@ _started: tuple[Precision, int] | None = None
 _epoch = 0
 _users: weakref.WeakSet[object] = weakref.WeakSet()
 _worn = False
+_seen: set[str] = set()
 
 
-def start(precision: Precision, threads: int | None = None) -> None:
+def start(precision: Precision, threads: int | None = None, structure: str | None = None) -> None:
     """Start Taichi on the CPU, silently; does nothing when it already runs with these settings and is in use.
 
     A restart invalidates every field and kernel made before; with other settings also those in use.
@@ -35,10 +36,15 @@ def start(precision: Precision, threads: int | None = None) -> None:
     Args:
         precision: type of floating-point literals in kernels: f32 for "single", f64 for "double".
         threads: worker threads; none for one a core.
+        structure: tells what will be built from what needs other kernels. A runtime that is not in use goes on as well
+            if nothing like it was built before.
     """
     global _epoch, _started, _worn
     settings = (precision, threads or os.cpu_count() or 1)
-    if settings == _started and not _abandoned():
+    known = structure is None or structure in _seen
+    if structure is not None:
+        _seen.add(structure)
+    if settings == _started and not (known and _abandoned()):
         return
     os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
     os.environ["TI_LOG_LEVEL"] = "error"

@@ -46,7 +46,7 @@ class Simulation:
         began = time.perf_counter()
         self.scene, self.choice = resolved(scene, threads)
         self.plan = make_plan(self.scene)
-        runtime.start(scene.precision, threads)
+        runtime.start(scene.precision, threads, self.plan.structure)
         from particlecli.dynamics.system import System
 
         self.system = System(self.plan)

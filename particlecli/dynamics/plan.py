@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -60,6 +61,12 @@ class Plan:
     def memory(self) -> int:
         """Bytes of state of all groups."""
         return sum(group.memory for group in self.groups)
+
+    @property
+    def structure(self) -> str:
+        """The scene without its numbers and looks: scenes that are alike in this share most kernels."""
+        text = self.scene.model_dump_json(exclude={"title", "seed", "camera", "look", "outputs", "reference"})
+        return re.sub(r"[-+.\de]*\d", "#", text)
 
     @property
     def fixed(self) -> list[str]:

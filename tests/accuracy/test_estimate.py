@@ -14,6 +14,7 @@ from particlecli.render.camera import View
 from particlecli.runtime import start
 from particlecli.scene.load import load_scene
 from particlecli.simulate import Simulation
+from tests.cases import later
 from tests.dynamics.scenes import body, scene
 
 PROBLEMS = Path(__file__).parents[2] / "scenes" / "reference"
@@ -57,12 +58,12 @@ def true_size(frames, tracks, name):
 
 CALIBRATION = [
     # a problem, how it is integrated
-    ("kepler", "integrator={type: rk4, dt: 0.002}"),
     ("bouncing_ball", "integrator.contact=end_of_step"),
     ("figure_eight", "integrator={type: velocity_verlet, dt: 0.002}"),
 ]
 
 MORE = [
+    ("kepler", "integrator={type: rk4, dt: 0.002}"),
     ("kepler", "integrator={type: velocity_verlet, dt: 0.0005}"),
     ("linear_drag", "integrator.type=euler"),
     ("kepler", "integrator={type: dormand_prince, tolerance: 1e-6}"),
@@ -77,9 +78,7 @@ MORE = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("name", "change"), [*CALIBRATION, *(pytest.param(*row, marks=pytest.mark.slow) for row in MORE)]
-)
+@pytest.mark.parametrize(("name", "change"), [*CALIBRATION, *later(*MORE)])
 def test_estimates_are_near_the_true_error_on_reference_problems(name, change):
     described = load_scene(PROBLEMS / f"{name}.yaml", [change])
     tracks = truth(described)
@@ -112,15 +111,10 @@ SPARKS = {
 }
 
 
-@pytest.fixture(scope="module")
-def sparks():
+def test_a_sample_stands_for_all_particles_in_metres_and_pixels():
     described = scene(**SPARKS)
     tracks = truth(described)
-    return described, tracks, *estimated(described)
-
-
-def test_a_sample_stands_for_all_particles_in_metres_and_pixels(sparks):
-    described, tracks, errors, frames, _ = sparks
+    errors, frames, _ = estimated(described)
     error = errors["sparks"]
     true = true_size(frames, tracks, "sparks")
     assert error.trend == "converging"
@@ -137,19 +131,19 @@ def test_a_sample_stands_for_all_particles_in_metres_and_pixels(sparks):
         assert true / WITHIN < value < WITHIN * true
 
 
-def test_estimating_leaves_no_trace_and_can_be_repeated(sparks):
-    _, _, errors, frames, simulation = sparks
+def test_estimating_leaves_no_trace_and_reruns_give_the_same():
+    errors, frames, simulation = estimated(scene(**SPARKS))
     again = simulation.system.frame(len(frames) - 1)
     for name, group in again.groups.items():
         np.testing.assert_array_equal(group.positions, frames[-1].groups[name].positions)
         np.testing.assert_array_equal(group.ids, frames[-1].groups[name].ids)
         np.testing.assert_array_equal(group.ages, frames[-1].groups[name].ages)
+    _rerun_gives_the_same_positions(frames, simulation)
     other, _, _ = estimated(scene(**SPARKS), threads=2)
     assert other == errors
 
 
-def test_a_rerun_in_the_same_steps_gives_the_same_positions(sparks):
-    _, _, _, frames, simulation = sparks
+def _rerun_gives_the_same_positions(frames, simulation):
     group = simulation.system.groups["sparks"]
     ids = np.arange(5, 60, 4)
     stretches = [Stretch(frame.time, simulation.plan.steps_per_frame) for frame in frames[1:]]

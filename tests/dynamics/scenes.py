@@ -16,10 +16,11 @@ def scene(**parts: Any) -> Scene:
 def system(threads: int | None = None, **parts: Any):  # type: ignore[no-untyped-def]
     """The system of such a scene, at t = 0."""
     described = scene(**parts)
-    runtime.start(described.precision, threads)
+    plan = make_plan(described)
+    runtime.start(described.precision, threads, plan.structure)
     from particlecli.dynamics.system import System
 
-    return System(make_plan(described))
+    return System(plan)
 
 
 def body(position: tuple[float, float, float], velocity: tuple[float, float, float], **more: Any) -> dict[str, Any]:

