@@ -11,6 +11,7 @@ SCENE = """
 duration: 0.1
 particles:
   dust: {layout: {type: box, center: [0, 1, 0], size: [1, 1, 1], count: 10}}
+integrator: {type: rk4, dt: 0.02}
 outputs: [{type: trajectory, path: dust.npz}]
 """
 

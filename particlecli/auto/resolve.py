@@ -28,7 +28,7 @@ def resolved(scene: Scene, threads: int | None = None) -> tuple[Scene, Choice | 
     if scene.integrator.type != "auto":
         return scene, None
     plan = make_plan(scene)
-    runtime.start(scene.precision, threads)
+    runtime.start(scene.precision, threads, plan.structure)
     choice = _chosen(plan)
     return scene.model_copy(update={"integrator": integrator_of(scene, choice.chosen)}), choice
 
