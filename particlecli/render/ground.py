@@ -208,7 +208,7 @@ class GroundPlane:
         lay_ground(
             light.arena.light, light.arena.rows, self._counter,
             picture.origin, picture.pitch, *self._rows, picture.width,
-            level.origin, level.pitch, level.width, 1 / self._step, self._cover,
+            level.origin, level.pitch, level.width, self._step, self._cover,
         )  # fmt: skip
 
 

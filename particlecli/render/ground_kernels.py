@@ -74,24 +74,24 @@ def add_pool(
 def lay_ground(
     light: ti.template(), rows: ti.template(), counter: Integers,
     origin: ti.i32, pitch: ti.i32, first: ti.i32, end: ti.i32, width: ti.i32,
-    seen: ti.i32, seen_pitch: ti.i32, seen_width: ti.i32, resolution: ti.f32, cover: Rows,
+    seen: ti.i32, seen_pitch: ti.i32, seen_width: ti.i32, step: ti.i32, cover: Rows,
 ):  # fmt: skip
-    """Add the light on a plane, from node `seen` on, of a lower resolution, where it covers rows `first` to `end`."""
+    """Add the light on a plane, from node `seen` on and with `step` pixels to a node, in rows `first` to `end`."""
     counter[0] = first
     for lane in range(LANES):
         if lane % GRAIN == 0:
             worker = lane // GRAIN
             y = ti.atomic_add(counter[0], 1)
             while y < end:
-                j = ti.cast(resolution * y, ti.i32)
-                t = resolution * y - j
+                j = y // step
+                t = (y - j * step) * (1.0 / step)
                 upper, node = seen + j * seen_pitch, origin + y * pitch
                 for i in range(seen_width + 1):
                     rows[worker, i] = light[upper + i] * (1.0 - t) + light[upper + seen_pitch + i] * t
-                for x in range(width):
-                    i = ti.cast(resolution * x, ti.i32)
-                    s = resolution * x - i
-                    covered = cover[y, x]
-                    back = (rows[worker, i] * (1.0 - s) + rows[worker, i + 1] * s) * covered
-                    light[node + x] = light[node + x] + back * vec4(1.0, 1.0, 1.0, 0.0)
+                for i in range((width + step - 1) // step):
+                    left, right = rows[worker, i], rows[worker, i + 1]
+                    for x in range(i * step, ti.min((i + 1) * step, width)):
+                        s = (x - i * step) * (1.0 / step)
+                        back = (left * (1.0 - s) + right * s) * cover[y, x]
+                        light[node + x] = light[node + x] + back * vec4(1.0, 1.0, 1.0, 0.0)
                 y = ti.atomic_add(counter[0], 1)
