@@ -16,6 +16,8 @@ from collections.abc import Callable
 from types import CodeType
 from typing import Any, Literal
 
+from particlecli.kernel_calls import quicken
+
 Precision = Literal["single", "double"]
 
 COMPILED_FOR = 8
@@ -108,6 +110,7 @@ def _trace_fast() -> None:
 
     ASTTransformerContext.get_pos_info = position
     if _epoch == 0:
+        quicken()
         kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
         kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
 
