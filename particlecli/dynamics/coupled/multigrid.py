@@ -2,7 +2,7 @@
 
 What a V-cycle over the coarser levels finds is added to what the particles' own blocks make of the residual: so the
 finest level, where all the bytes are, is multiplied by its matrix once an iteration of conjugate gradients and not
-three times. It takes twice the iterations and two thirds of the time.
+three times, for about twice the iterations.
 """
 
 from collections.abc import Sequence
