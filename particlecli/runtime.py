@@ -10,6 +10,7 @@ import contextlib
 import gc
 import io
 import os
+import sys
 import warnings
 import weakref
 from collections.abc import Callable
@@ -23,6 +24,7 @@ Precision = Literal["single", "double"]
 COMPILED_FOR = 8
 """Kernels are compiled for so many threads, whatever fewer there are, so that all of them share the cache."""
 
+_loaded = False
 _started: tuple[Precision, int] | None = None
 _epoch = 0
 _users: weakref.WeakSet[object] = weakref.WeakSet()
@@ -48,8 +50,7 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
         _seen.add(structure)
     if settings == _started and not (known and _abandoned()):
         return
-    os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
-    os.environ["TI_LOG_LEVEL"] = "error"
+    load()
     with contextlib.redirect_stdout(io.StringIO()):
         import taichi as ti
 
@@ -67,9 +68,6 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
         ti.lang.impl.get_runtime().prog.config().cpu_max_num_threads = max(settings[1], COMPILED_FOR)
     if _epoch == 0:
         atexit.register(stop)  # Taichi writes its cache of kernels when it ends, and an exit may not end it
-    _trace_fast()
-    warnings.filterwarnings("ignore", message=".*Calling non-taichi function.*")
-    warnings.filterwarnings("ignore", message=".*List is a built-in.*")
     _started = settings
     _epoch += 1
     _users.clear()
@@ -95,24 +93,39 @@ def _abandoned() -> bool:
     return _worn and not _users
 
 
-def _trace_fast() -> None:
-    """Let Taichi name file and line alone where it traces kernels, and look for the source of a function only once.
+def load() -> None:
+    """Import Taichi, rid of work that only its messages about faulty kernels need. `start` does it too.
 
-    It lays out the source of every node in lines of 80 characters, in case there is an error to show, which takes a
-    third of the time of tracing; and to look up a function's source at each of its calls takes half of the rest.
-    Kernels are traced in every process, also those that the cache has compiled.
+    It lays out the source of every node in lines of 80 characters, which takes a third of the time of tracing; looks up
+    a function's source at each of its calls, half of the rest; searches all modules for the source around every
+    decorator, a quarter of the time to import ours; and formats the stack for every field. Kernels are traced in every
+    process, also those that the cache has compiled.
     """
-    from taichi.lang import kernel_impl
-    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+    global _loaded
+    if _loaded:
+        return
+    _loaded = True
+    os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
+    os.environ["TI_LOG_LEVEL"] = "error"
+    with contextlib.redirect_stdout(io.StringIO()):
+        from taichi.lang import impl, kernel_impl, snode
+        from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
     def position(context: Any, node: Any) -> str:
         return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
 
+    def inside_class(level_of_class_stackframe: int) -> bool:
+        """Whether the frame below, where a decorator is applied, is the body of a class."""
+        return "__qualname__" in sys._getframe(level_of_class_stackframe - 1).f_locals
+
     ASTTransformerContext.get_pos_info = position
-    if _epoch == 0:
-        quicken()
-        kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
-        kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
+    kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
+    kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
+    kernel_impl._inside_class = inside_class
+    for module in (impl, snode):
+        module.get_traceback = lambda stacklevel=1: ""  # noqa: ARG005 - keeps Taichi's signature
+    warnings.filterwarnings("ignore", message=".*Calling non-taichi function.*")
+    warnings.filterwarnings("ignore", message=".*List is a built-in.*")
 
 
 def _once(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
