@@ -118,6 +118,7 @@ def load() -> None:
         """Whether the frame below, where a decorator is applied, is the body of a class."""
         return "__qualname__" in sys._getframe(level_of_class_stackframe - 1).f_locals
 
+    quicken()
     ASTTransformerContext.get_pos_info = position
     kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
     kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
