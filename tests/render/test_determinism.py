@@ -8,7 +8,7 @@ from particlecli import runtime
 from particlecli.render.renderer import Renderer
 from tests.render.frames import frame, group, scene
 
-COUNT = 20_000
+COUNT = 10_000
 
 
 def digests(threads: int) -> set[str]:
