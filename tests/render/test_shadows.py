@@ -34,6 +34,7 @@ def test_a_shadow_lies_where_the_light_is_hidden() -> None:
     assert row == pytest.approx(35.5, abs=2)
 
 
+@pytest.mark.slow
 def test_shadows_are_as_deep_as_asked_for() -> None:
     light = {"direction": [0, 1, 0]}
     lit, half, dark = (picture([[0, 0.4, 0]], shadow=shadow, light=light).min() for shadow in (0.0, 0.4, 0.95))

@@ -175,21 +175,25 @@ def grown(reduced):
     return (((1 + (math.sqrt(2) - 1) * z) / (1 - (1 - math.sqrt(0.5)) * z) ** 2) ** 50).real
 
 
+@pytest.mark.slow
 def test_a_mass_on_one_a_million_times_heavier_swings_as_the_scheme_says(hard):
     heavy, light = ends(hard, "unequal")
     assert light[0] - heavy[0] == pytest.approx(1 + 0.1 * grown(1 / (1 + 1e-6)), abs=1e-8)
     assert 1e6 * heavy[0] + light[0] == pytest.approx(1.1, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_spring_without_rest_length_passes_through_no_length(hard):
     one, other = ends(hard, "slack")
     np.testing.assert_allclose(other - one, np.array([0.3, -0.4, 1.2]) * grown(0.5), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_ends_of_a_spring_at_the_same_place_stay_there(hard):
     np.testing.assert_array_equal(ends(hard, "met"), [[1, 2, 3], [1, 2, 3]])
 
 
+@pytest.mark.slow
 def test_equations_without_a_solution_stop_the_run_and_tell_how_far_they_are_from_one(hard):
     """x = x₀ + (γh)² x² has none where 4 (γh)² x₀ > 1."""
     hard.restart()

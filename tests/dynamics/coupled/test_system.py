@@ -64,7 +64,7 @@ def right():
         ({"type": "velocity_verlet", "dt": 1 / 256}, 1e-3, 0),
         pytest.param({"type": "composition8", "dt": 1 / 64}, 1e-9, 32, marks=pytest.mark.slow),
         pytest.param({"type": "dormand_prince", "tolerance": 1e-9}, 1e-7, 32, marks=pytest.mark.slow),
-        ({"type": "dormand_prince", "tolerance": 1e-9}, 1e-7, 0),
+        pytest.param({"type": "dormand_prince", "tolerance": 1e-9}, 1e-7, 0, marks=pytest.mark.slow),
     ],
 )
 def test_schemes_agree_with_scipy_in_one_kernel_and_launch_by_launch(
