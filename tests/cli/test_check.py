@@ -21,8 +21,8 @@ def known(scene: Path) -> Path:
     return scene
 
 
-def test_errors_are_told_beside_what_is_known(cli: Cli, known: Path) -> None:
-    result = cli("check", "balls.yaml")
+def test_errors_are_told_beside_what_is_known(process: Cli, known: Path) -> None:
+    result = process("check", "balls.yaml")
     assert result.returncode == 0, result.stderr
     assert "balls.yaml  Three balls" in result.stdout
     assert "balls 1: position at 0.2 s" in result.stdout

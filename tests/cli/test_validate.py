@@ -5,8 +5,8 @@ from pathlib import Path
 from tests.cli.conftest import Cli, imported_by
 
 
-def test_valid_scene(cli: Cli, scene: Path) -> None:
-    result = cli("validate", "balls.yaml")
+def test_valid_scene(process: Cli, scene: Path) -> None:
+    result = process("validate", "balls.yaml")
     assert (result.returncode, result.stdout, result.stderr) == (0, "balls.yaml: valid\n", "")
 
 
