@@ -90,15 +90,15 @@ class Bodies:
                 self.layer.looks[body.place, [1, 3]] = first, 1.0
             caps.append(cap)
             first += len(cap)
-        self.layer.caps = np.concatenate([*caps, np.zeros((1, 8), np.float32)])
+        self.layer.aim(view, np.concatenate([*caps, np.zeros((1, 8), np.float32)]))
 
     def draw(self, frame: Frame, sky: Floats, cover: Floats) -> None:
         """Draw a frame's bodies into the layer; what is refracted shifts in how much is seen of sky and ground."""
-        rows = self.layer.rows
-        rows.clear(sum(body.room(frame.groups[name]) for name, body in self.groups.items()))
+        records = self.layer.bodies
+        records.clear(sum(body.room(frame.groups[name]) for name, body in self.groups.items()))
         for name, body in self.groups.items():
             if len(frame.groups[name]):
-                body.put(frame.groups[name], rows)
+                body.put(frame.groups[name], records)
         self.layer.draw()
         for name, liquid in self.liquids.items():
             liquid.draw(frame.groups[name], self.layer, self._planes, self._hiding, sky, cover)

@@ -23,7 +23,7 @@ from particlecli.render.liquids.records import (
 )
 from particlecli.render.project import on_picture, radiance, table_place, vector
 from particlecli.render.shot import lens_in, paint_in
-from particlecli.render.solids.billboard_kernels import key_of
+from particlecli.render.solids.sorting import key_of
 from particlecli.render.tasks import CHUNK, GRAIN, LANES
 
 SMALLEST = 0.8

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,18 +16,30 @@ from particlecli.render.shot import lens_row, paint_of
 from particlecli.render.solids.billboard_kernels import put_billboards
 from particlecli.render.solids.caps import TEXELS, cap
 from particlecli.render.solids.layer_kernels import BILLBOARDS
-from particlecli.render.solids.records import Rows
+from particlecli.render.solids.records import Records
 from particlecli.render.solids.sheets import load_sheet
 
 Floats = NDArray[np.float32]
 
+SQUARE = 4 / math.pi
+"""A square is so much larger than the disc in it."""
+
 
 class Billboards(Body):
-    """One row for each particle."""
+    """One picture for each particle.
+
+    Attributes:
+        spread: how far a picture reaches, radii.
+        pictures: how many there are.
+        small: pictures of a smaller radius, pixels, have one colour.
+    """
 
     kind = BILLBOARDS
     spread = 1.0
     pictures = 1
+    small: ClassVar[float]
+    _means: Floats
+    _hides: float
 
     def __init__(self, subject: Subject) -> None:
         super().__init__(subject)
@@ -46,29 +59,34 @@ class Billboards(Body):
         return self._position, np.zeros(3)
 
     def room(self, group: GroupFrame) -> int:
-        """A row for each particle."""
+        """As many as there are particles."""
         return len(group)
 
-    def put(self, group: GroupFrame, rows: Rows) -> None:
-        """Add rows for a group."""
+    def put(self, group: GroupFrame, records: Records) -> None:
+        """Add a group's particles."""
         tint, style = self.subject.tint, self.subject.style
         particles = Particles.of(group, tint, self._position, moving=False)
         aged = particles.has_lifetimes and self.pictures > 1
         put_billboards(
-            rows.take(particles.count), particles.count, *particles.arrays, particles.ids,
-            self._shots[particles.relative], self.planes, self.hiding, self._colors, self._counter, rows.rows,
-            rows.keys, particles.source(tint), self.subject.fades and particles.has_lifetimes, aged, self.place,
+            records.take(particles.count), particles.count, *particles.arrays, particles.ids,
+            self._shots[particles.relative], self.planes, self.hiding, self._colors, self._counter, records.heads,
+            records.rows, particles.source(tint), self.subject.fades and particles.has_lifetimes, aged, self.place,
             float(self.pictures), style.sheet_rate or 0.0, style.spin or 0.0, style.spin is not None, self.spread,
+            self.small, self._means, self._hides,
         )  # fmt: skip
 
 
 class Spheres(Billboards):
     """Lit balls, matt or clear, with a highlight and a rim that mirrors the surroundings."""
 
+    small = 1.6
+
     def aim(self, view: View) -> Floats:
         """Take a camera's view."""
         super().aim(view)
-        return cap(view, self.subject.light, self.subject.style.opacity)
+        texels = cap(view, self.subject.light, self.subject.style.opacity)
+        self._means, self._hides = texels[-1:], 1.0
+        return texels
 
     def sheet(self) -> tuple[Floats, int]:
         """No sheet, but the size of a cap."""
@@ -78,6 +96,8 @@ class Spheres(Billboards):
 class Sprites(Billboards):
     """Pictures of a sheet, by age."""
 
+    small = 2.2
+
     def __init__(self, subject: Subject) -> None:
         super().__init__(subject)
         self.spread = 1.0 if subject.style.spin is None else math.sqrt(2.0)
@@ -85,6 +105,9 @@ class Sprites(Billboards):
         self._texels, self._size, self.pictures = load_sheet(
             style.sheet or "smoke", style.grid or (1, 1), subject.folder, key
         )
+        coarsest = self._texels.reshape(self.pictures, -1, 4)[:, -1] * np.float32(SQUARE)
+        self._means = np.ascontiguousarray(np.pad(coarsest, ((0, 0), (0, 4))))
+        self._hides = style.opacity
 
     def sheet(self) -> tuple[Floats, int]:
         """Its pictures."""

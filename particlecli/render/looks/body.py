@@ -1,4 +1,4 @@
-"""What a look of bodies is: how a group's particles become rows that are sorted by depth and drawn."""
+"""What a look of bodies is: how a group's particles become bodies that are sorted by depth and drawn."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from particlecli.frame import GroupFrame
 from particlecli.render.camera import View
 from particlecli.render.solids.light import Lighting
-from particlecli.render.solids.records import Rows
+from particlecli.render.solids.records import Records
 from particlecli.render.tint import Tint
 from particlecli.scene.groups import Emitter, Particles
 from particlecli.scene.look import GroupLook
@@ -54,7 +54,7 @@ class Subject:
 
 
 class Body(ABC):
-    """Makes rows of the particles of one group.
+    """Makes bodies of the particles of one group.
 
     Attributes:
         kind: of body, see `layer_kernels`.
@@ -85,8 +85,8 @@ class Body(ABC):
 
     @abstractmethod
     def room(self, group: GroupFrame) -> int:
-        """How many rows a group needs at most."""
+        """How many bodies a group needs at most."""
 
     @abstractmethod
-    def put(self, group: GroupFrame, rows: Rows) -> None:
-        """Add rows for a group."""
+    def put(self, group: GroupFrame, records: Records) -> None:
+        """Add a group's bodies."""

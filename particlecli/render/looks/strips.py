@@ -13,6 +13,7 @@ from particlecli.render.shot import LINES, NEAREST
 from particlecli.render.solids.layer_kernels import PIECES, TRIANGLES
 from particlecli.render.solids.records import (
     CORNERS,
+    COVER,
     DEPTH,
     EDGES,
     END_X,
@@ -20,12 +21,9 @@ from particlecli.render.solids.records import (
     FIRST_X,
     FROM_RED,
     HALF,
-    HIDDEN,
-    HIDES,
-    LOOK,
     OPACITY,
     TO_RED,
-    Rows,
+    Records,
     X,
 )
 from particlecli.scene.groups import Particles
@@ -79,12 +77,6 @@ class Strips(Body):
         depth = np.where(depth > NEAREST * self._view.distance, depth, np.nan)
         return pixels.reshape(*places.shape[:-1], 2), depth.reshape(places.shape[:-1])
 
-    def _keys(self, depth: Doubles) -> NDArray[np.uint16]:
-        """Keys of depths; those of NaN are HIDDEN. As `billboard_kernels.key_of`."""
-        nearest = np.float32(NEAREST * self._view.distance).view(np.int32)
-        steps = (np.nan_to_num(depth, nan=1.0).astype(np.float32).view(np.int32) - nearest) >> 11
-        return np.where(np.isnan(depth), HIDDEN, np.clip(steps, 0, HIDDEN - 1)).astype(np.uint16)
-
     def _unit(self, vectors: Doubles) -> Doubles:
         return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
 
@@ -105,10 +97,10 @@ class Ribbons(Strips):
         self._parts = PARTS if self._strands * self._count <= FINE and self._count > 2 else 1
 
     def room(self, group: GroupFrame) -> int:  # noqa: ARG002 - the layout tells
-        """A row for each piece."""
+        """A piece for each part."""
         return self._strands * (self._count - 1) * self._parts
 
-    def put(self, group: GroupFrame, rows: Rows) -> None:
+    def put(self, group: GroupFrame, records: Records) -> None:
         """Add the pieces."""
         places, colors = (
             _smoothed(each.reshape(self._strands, self._count, 3), self._parts)
@@ -121,18 +113,16 @@ class Ribbons(Strips):
         half = np.full_like(middle, (style.pixels or PLAIN_PIXELS) * view.height / LINES)
         if style.radius is not None:
             half = style.radius * view.focal / (view.slope * middle + view.level)
-        count = middle.size
-        first = rows.take(count)
-        row, seen = rows.rows[first : first + count], ~np.isnan(middle).ravel()
+        heads, rows = records.add(middle.size, self.place)
+        seen = ~np.isnan(middle).ravel()
         along = 0.5 * (pixels[:, 1:] - pixels[:, :-1]).reshape(-1, 2)
-        row[:, X : X + 2] = (0.5 * (pixels[:, 1:] + pixels[:, :-1])).reshape(-1, 2)
-        row[:, DEPTH], row[:, LOOK], row[:, HALF] = middle.ravel(), self.place, half.ravel()
-        row[:, END_X : END_X + 2] = along
-        row[:, EXTENT] = np.where(seen, np.linalg.norm(along, axis=1) + half.ravel() + 1.0, 0.0)
-        row[:, HIDES] = style.opacity
-        row[:, FROM_RED : FROM_RED + 3] = light[:, :-1].reshape(-1, 3)
-        row[:, TO_RED : TO_RED + 3] = light[:, 1:].reshape(-1, 3)
-        rows.keys[first : first + count] = self._keys(middle.ravel())
+        heads[:, X : X + 2] = (0.5 * (pixels[:, 1:] + pixels[:, :-1])).reshape(-1, 2)
+        heads[:, DEPTH] = middle.ravel()
+        rows[:, HALF], rows[:, COVER] = half.ravel(), style.opacity
+        rows[:, END_X : END_X + 2] = along
+        heads[:, EXTENT] = np.where(seen, np.linalg.norm(along, axis=1) + half.ravel() + 1.0, 0.0)
+        rows[:, FROM_RED : FROM_RED + 3] = light[:, :-1].reshape(-1, 3)
+        rows[:, TO_RED : TO_RED + 3] = light[:, 1:].reshape(-1, 3)
 
     def _lit(self, places: Doubles, colors: Doubles) -> Doubles:
         light = self.subject.light
@@ -159,16 +149,16 @@ class Surface(Strips):
         self._sheets = _sheets(np.arange(self._total).reshape(deep, up, across))
 
     def room(self, group: GroupFrame) -> int:  # noqa: ARG002 - the layout tells
-        """Two rows for each cell."""
+        """Two triangles for each cell."""
         return sum(2 * (sheet.shape[0] - 1) * (sheet.shape[1] - 1) for sheet in self._sheets)
 
-    def put(self, group: GroupFrame, rows: Rows) -> None:
+    def put(self, group: GroupFrame, records: Records) -> None:
         """Add the triangles."""
         places, colors = self._all(group, self._total)
         for sheet in self._sheets:
-            self._put_sheet(places[sheet], colors[sheet], rows)
+            self._put_sheet(places[sheet], colors[sheet], records)
 
-    def _put_sheet(self, places: Doubles, colors: Doubles, rows: Rows) -> None:
+    def _put_sheet(self, places: Doubles, colors: Doubles, records: Records) -> None:
         pixels, depth = self._projected(places)
         light = self._lit(places, colors)
         corners = (
@@ -177,26 +167,22 @@ class Surface(Strips):
         )
         areas = [_area(*(pixels[corner] for corner in three)) for three in corners]
         for three, edges in zip(corners, _outlines(*areas), strict=True):
-            self._put_triangles([(pixels[c], depth[c], light[c]) for c in three], edges, rows)
+            self._put_triangles([(pixels[c], depth[c], light[c]) for c in three], edges, records)
 
     def _put_triangles(
-        self, corners: list[tuple[Doubles, Doubles, Doubles]], edges: NDArray[np.int64], rows: Rows
+        self, corners: list[tuple[Doubles, Doubles, Doubles]], edges: NDArray[np.int64], records: Records
     ) -> None:  # fmt: skip
         middle = np.mean([pixels for pixels, _, _ in corners], axis=0)
         depth = np.mean([each for _, each, _ in corners], axis=0).ravel()
-        count = depth.size
-        first = rows.take(count)
-        row = rows.rows[first : first + count]
+        heads, rows = records.add(depth.size, self.place)
         reach = np.max([np.linalg.norm(pixels - middle, axis=-1) for pixels, _, _ in corners], axis=0).ravel()
-        row[:, X : X + 2] = middle.reshape(-1, 2)
-        row[:, DEPTH], row[:, LOOK], row[:, OPACITY] = depth, self.place, self.subject.style.opacity
-        row[:, EXTENT] = np.where(np.isnan(depth), 0.0, reach + 1.5)
+        heads[:, X : X + 2], heads[:, DEPTH] = middle.reshape(-1, 2), depth
+        heads[:, EXTENT] = np.where(np.isnan(depth), 0.0, reach + 1.5)
         for k in range(2):
-            row[:, FIRST_X + 2 * k : FIRST_X + 2 * k + 2] = (corners[k][0] - middle).reshape(-1, 2)
+            rows[:, FIRST_X + 2 * k : FIRST_X + 2 * k + 2] = (corners[k][0] - middle).reshape(-1, 2)
         for k in range(3):
-            row[:, CORNERS + 3 * k : CORNERS + 3 * k + 3] = corners[k][2].reshape(-1, 3)
-        row[:, EDGES] = edges.ravel()
-        rows.keys[first : first + count] = self._keys(depth)
+            rows[:, CORNERS + 3 * k : CORNERS + 3 * k + 3] = corners[k][2].reshape(-1, 3)
+        rows[:, EDGES], rows[:, OPACITY] = edges.ravel(), self.subject.style.opacity
 
     def _lit(self, places: Doubles, colors: Doubles) -> Doubles:
         light = self.subject.light

@@ -4,10 +4,10 @@ import math
 
 import taichi as ti
 
-from particlecli.render.arrays import Ids, Integers, Row, Rows, Shorts, vec3
+from particlecli.render.arrays import Ids, Integers, Row, Rows, vec3
 from particlecli.render.project import above, on_picture, radiance, table_place, vector
 from particlecli.render.shot import lens_in, paint_in
-from particlecli.render.solids.draw import SMALLEST
+from particlecli.render.solids.draw_billboards import drawn_as
 from particlecli.render.solids.records import (
     ALPHA,
     BLUE,
@@ -16,11 +16,14 @@ from particlecli.render.solids.records import (
     DEPTH,
     EXTENT,
     GREEN,
-    HIDDEN,
+    HIDES,
+    LARGE,
+    LIGHT,
     LOOK,
     PICTURE,
     RADIUS,
     RED,
+    ROW,
     SINE,
     X,
     Y,
@@ -29,23 +32,6 @@ from particlecli.render.tasks import CHUNK, GRAIN, LANES
 
 FAINTEST = 1 / 512
 """What hides less is not drawn."""
-
-_STEP = 11
-"""Bits of a depth's mantissa that do not matter for its key: depths that differ by less than 1/4096 may be alike."""
-
-
-@ti.func
-def key_of(depth, near):
-    """Place of a depth in the order from near to far, 0 to HIDDEN − 1."""
-    steps = (ti.bit_cast(ti.cast(depth, ti.f32), ti.i32) - ti.bit_cast(ti.cast(near, ti.f32), ti.i32)) >> _STEP
-    return ti.min(ti.max(steps, 0), HIDDEN - 1)
-
-
-@ti.func
-def reach(radius, blur, spread):
-    """How far from its middle a billboard is drawn, pixels, with its antialiased edge."""
-    drawn = ti.max(radius, blur, SMALLEST)
-    return spread * (drawn + 0.5) + ti.min(blur, drawn)
 
 
 @ti.func
@@ -70,14 +56,48 @@ def _picture(i, ages: ti.template(), lifetimes: ti.template(), ids: ti.template(
     return ti.min(ti.max(ti.floor(share * pictures), 0.0), pictures - 1.0)
 
 
+@ti.func
+def _turn(id_, age, spin):
+    """Angle of a particle, radians."""
+    angle = 2.0 * math.pi * chance(id_, 1)
+    if spin > 0.0:
+        angle = angle + (2.0 * chance(id_, 2) - 1.0) * spin * age
+    return angle
+
+
+@ti.func
+def _set_speck(body, heads: ti.template(), means: ti.template(), picture, tint: ti.template(), alpha, hides):
+    """Set the light of a particle that is so small that its picture has one colour."""
+    for k in ti.static(range(3)):
+        heads[body, LIGHT + k] = (means[picture, k] * tint[k] + means[picture, 4 + k]) * alpha
+    heads[body, HIDES] = ti.min(means[picture, 3] * alpha, 1.0) * hides
+
+
+@ti.func
+def _set_row(
+    body, heads: ti.template(), rows: ti.template(), look, radius, angle, picture, alpha, tint: ti.template(), blur
+):  # fmt: skip
+    """Set what is drawn of a larger particle; as most are not turned, sine and cosine are not always computed."""
+    heads[body, LOOK], heads[body, HIDES], heads[body, ROW] = look, LARGE, ti.bit_cast(body, ti.f32)
+    cosine, sine = 1.0, 0.0
+    if angle != 0.0:
+        cosine, sine = ti.cos(angle), ti.sin(angle)
+    values = (
+        (RADIUS, radius), (COSINE, cosine), (SINE, sine), (PICTURE, picture), (ALPHA, alpha), (RED, tint[0]),
+        (GREEN, tint[1]), (BLUE, tint[2]), (BLUR, blur),
+    )  # fmt: skip
+    for k, value in ti.static(values):
+        rows[body, k] = value
+
+
 @ti.kernel
 def put_billboards(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
-    ids: Ids, shot: Row, planes: Rows, occluders: ti.i32, colors: Rows, counter: Integers, rows: Rows, keys: Shorts,
+    ids: Ids, shot: Row, planes: Rows, occluders: ti.i32, colors: Rows, counter: Integers, heads: Rows, rows: Rows,
     source: ti.i32, fading: ti.i32, aged: ti.i32, look: ti.i32, pictures: ti.f32, rate: ti.f32, spin: ti.f32,
-    turned: ti.i32, spread: ti.f32,
+    turned: ti.i32, spread: ti.f32, small: ti.f32, means: Rows, hides: ti.f32,
 ):  # fmt: skip
-    """Rows of `count` particles, from row `first` on.
+    """Heads and rows of `count` particles, from the `first` on.
 
     Args:
         shot: the lens, and the paint, whose brightness is how much a particle hides.
@@ -87,6 +107,10 @@ def put_billboards(
         pictures: how many its sheet has; `rate`: how many are shown a second, or 0.
         spin: fastest turn either way, radians/s; `turned`: whether each has an angle of its own.
         spread: how far the picture reaches, radii: 1 for a disc, √2 for a square that turns.
+        small: those of a smaller radius, pixels, are specks.
+        means: shape (pictures, 8): of a disc of a picture's mean colour the light that takes the tint (3), how much it
+            hides, and the light that does not (3).
+        hides: share of what pictures hide.
     """
     counter[0] = 0
     for lane in range(LANES):
@@ -98,37 +122,33 @@ def put_billboards(
                     point = vector(positions, i) - lens.origin
                     depth = point.dot(lens.forward)
                     place, scale, seen = on_picture(point, lens)
-                    radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
+                    sharp = ti.min(paint.radius * scale + paint.pixels, lens.largest)
                     for p in range(occluders):
                         height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
-                        seen = seen * above(height, radius / scale)
-                    alpha = seen * radiance(i, ages, lifetimes, paint, fading)
+                        seen = seen * above(height, sharp / scale)
+                    whole = seen * radiance(i, ages, lifetimes, paint, fading)
                     blur = ti.abs(lens.blur * (lens.focus - 1.0 / ti.max(depth, lens.near)))
-                    extent = reach(radius, blur, spread)
-                    inside = (
+                    radius, alpha = drawn_as(sharp, blur, whole)
+                    extent = radius + 0.5
+                    if radius >= small:
+                        extent = spread * extent + ti.min(blur, radius)
+                    body = first + i
+                    heads[body, EXTENT] = 0.0
+                    if (
                         (ti.abs(place[0] - lens.center_x) < lens.center_x + extent)
                         & (ti.abs(place[1] - lens.center_y) < lens.center_y + extent)
-                        & (alpha > FAINTEST)
-                    )
-                    row = first + i
-                    keys[row] = ti.cast(HIDDEN, ti.u16)
-                    rows[row, EXTENT] = 0.0
-                    if inside:
-                        keys[row] = ti.cast(key_of(depth, lens.near), ti.u16)
-                        tint = ti.cast(
-                            table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32
-                        )
-                        angle = 0.0
-                        if turned:
-                            angle = 2.0 * math.pi * chance(ids[i], 1)
-                            if spin > 0.0:
-                                angle = angle + (2.0 * chance(ids[i], 2) - 1.0) * spin * ages[i]
-                        values = (
-                            (X, place[0]), (Y, place[1]), (DEPTH, depth), (LOOK, look), (EXTENT, extent),
-                            (RADIUS, radius), (COSINE, ti.cos(angle)), (SINE, ti.sin(angle)),
-                            (PICTURE, _picture(i, ages, lifetimes, ids, pictures, rate, aged)), (ALPHA, alpha),
-                            (RED, colors[tint, 0]), (GREEN, colors[tint, 1]), (BLUE, colors[tint, 2]), (BLUR, blur),
-                        )  # fmt: skip
-                        for k, value in ti.static(values):
-                            rows[row, k] = value
+                        & (whole > FAINTEST)
+                    ):
+                        at = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
+                        tint = vec3(colors[at, 0], colors[at, 1], colors[at, 2])
+                        picture = _picture(i, ages, lifetimes, ids, pictures, rate, aged)
+                        for k, value in ti.static(((X, place[0]), (Y, place[1]), (DEPTH, depth), (EXTENT, extent))):
+                            heads[body, k] = value
+                        if radius < small:
+                            _set_speck(body, heads, means, ti.cast(picture, ti.i32), tint, alpha, hides)
+                        else:
+                            angle = 0.0
+                            if turned:
+                                angle = _turn(ids[i], ages[i if spin > 0.0 else 0], spin)
+                            _set_row(body, heads, rows, look, sharp, angle, picture, whole, tint, blur)
                 chunk = ti.atomic_add(counter[0], 1)

@@ -13,9 +13,12 @@ from particlecli import runtime
 from particlecli.render.camera import View
 from particlecli.render.particles import Particles
 from particlecli.render.pyramid import Pyramid
-from particlecli.render.solids.draw import TILE
-from particlecli.render.solids.layer_kernels import DIGITS, TILE_NODES, draw_bodies, hide, lay
-from particlecli.render.solids.records import Rows
+from particlecli.render.shot import NEAREST
+from particlecli.render.solids.layer_kernels import draw_bodies
+from particlecli.render.solids.laying_kernels import hide, lay
+from particlecli.render.solids.records import HEAD, Records
+from particlecli.render.solids.sorting import DIGITS
+from particlecli.render.solids.tiles import KEPT, PACK, TILE, TILE_PACKS
 from particlecli.render.sprites import Sprites
 from particlecli.render.tasks import CHUNK, WORKERS
 
@@ -30,21 +33,18 @@ class Fields:
     Attributes:
         color: shape (pixels,) of 4: light of bodies, and the share of what is behind them that is seen.
         depth: shape (pixels,), of what hides half of what is behind it, m.
-        tile_color, tile_depth: shape (workers · TILE_NODES,), the same of the tiles at which workers are.
+        store: shape (workers · TILE_PACKS, KEPT) of PACK, the same of the tiles at which workers are.
         still_open: shape (workers, TILE), a bit for each pixel of such a tile: what is behind it can be seen.
     """
 
     def __init__(self, pixels: int) -> None:
-        self.color, self.tile_color = (ti.field(ti.types.vector(4, ti.f32)) for _ in range(2))
-        self.depth, self.tile_depth = (ti.field(ti.f32) for _ in range(2))
-        builder = ti.FieldsBuilder()
+        self.color, self.depth = ti.field(ti.types.vector(4, ti.f32)), ti.field(ti.f32)
+        self.store = ti.field(ti.types.vector(PACK, ti.f32))
         self.still_open = ti.field(ti.u32)
-        for size, fields in (
-            (pixels, (self.color, self.depth)),
-            (WORKERS * TILE_NODES, (self.tile_color, self.tile_depth)),
-        ):
-            for field in fields:
-                builder.dense(ti.i, size).place(field)
+        builder = ti.FieldsBuilder()
+        for field in (self.color, self.depth):
+            builder.dense(ti.i, pixels).place(field)
+        builder.dense(ti.ij, (WORKERS * TILE_PACKS, KEPT)).place(self.store)
         builder.dense(ti.ij, (WORKERS, TILE)).place(self.still_open)
         builder.finalize()
 
@@ -63,47 +63,50 @@ class Layer:
         sheets: texels of all sheets, shape (texels, 4).
         kinds: which kinds of bodies there are.
         numbers: in a row of a body.
+
+    Attributes:
+        bodies: what is drawn.
+        looks: as given.
     """
 
     def __init__(
         self, width: int, height: int, looks: Floats, sheets: Floats, kinds: Sequence[int], numbers: int
     ) -> None:  # fmt: skip
-        self.rows = Rows(numbers)
-        self.looks, self.caps = looks, np.zeros((1, 8), np.float32)
+        self.bodies = Records(numbers)
+        self.looks = looks
         self.fields = _fields(runtime.epoch(), max(_FEWEST, 1 << (width * height - 1).bit_length()))
         self._width, self._height, self._sheets, self._kinds = width, height, sheets, tuple(kinds)
-        self._records = np.empty((1, numbers + 1), np.float32)
-        self._keys, self._order = np.empty(1, np.int32), np.empty((2, 1), np.int32)
-        self._boxes = np.empty((1, 2), np.int32)
         self._digits = np.empty((WORKERS, 2 * DIGITS), np.int32)
         self._counter = np.zeros(1, np.int32)
+        self._make_room(1)
+
+    def aim(self, view: View, caps: Floats) -> None:
+        """Take a camera's view and the caps for it, shape (texels, 8); before `draw`."""
+        self._near, self._caps = NEAREST * view.distance, caps
 
     def draw(self) -> None:
-        """Draw the bodies that have rows; what was drawn before is gone."""
-        count = self.rows.count
+        """Draw the bodies that there are; what was drawn before is gone."""
+        count = self.bodies.count
         tiles = -(-self._width // TILE) * -(-self._height // TILE)
         counts = np.empty((-(-count // CHUNK) + 1) * tiles + 1, np.int32)
-        if len(self._boxes) < count:
-            self._boxes = np.empty((count, 2), np.int32)
-        self._reserve(count)
+        if len(self._keys) < count:
+            self._make_room(count)
         self._draw(counts)
-        if counts[-1] > len(self._records):
-            self._reserve(int(1.25 * counts[-1]))
+        if counts[-1] > len(self._keys):
+            self._make_room(int(1.25 * counts[-1]))
             self._draw(counts)
 
     def _draw(self, counts: NDArray[np.int32]) -> None:
-        fields = self.fields
+        fields, bodies = self.fields, self.bodies
         draw_bodies(
-            self.rows.count, self.rows.rows, self.rows.keys, self._boxes, counts, self._records, self._keys,
-            self._order, self._digits, self._width, self._height, fields.color, fields.depth, fields.tile_color,
-            fields.tile_depth, fields.still_open, self.looks, self.caps, self._sheets, self._counter, self._kinds,
-            self._records.shape[1] - 1,
+            bodies.count, bodies.heads, bodies.rows, counts, self._heads, self._keys, self._order, self._digits,
+            self._width, self._height, self._near, fields.color, fields.depth, fields.store, fields.still_open,
+            self.looks, self._caps, self._sheets, self._counter, self._kinds,
         )  # fmt: skip
 
-    def _reserve(self, count: int) -> None:
-        if len(self._records) < count:
-            self._records = np.empty((count, self._records.shape[1]), np.float32)
-            self._keys, self._order = np.empty(count, np.int32), np.empty((2, count), np.int32)
+    def _make_room(self, count: int) -> None:
+        self._heads = np.empty((count, HEAD), np.float32)
+        self._keys, self._order = np.empty(count, np.int32), np.empty((2, count), np.int32)
 
     def lay(self, pyramid: Pyramid, sky: Floats, cover: Floats) -> None:
         """Lay the bodies over a picture's light, and over how much of sky and ground is seen of each pixel."""
