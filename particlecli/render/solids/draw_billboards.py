@@ -19,7 +19,17 @@ from particlecli.render.solids.records import (
     X,
     Y,
 )
-from particlecli.render.solids.tiles import between, can_be_seen, cover
+from particlecli.render.solids.tiles import (
+    FAINT,
+    PACK,
+    THROUGH,
+    Single,
+    beside,
+    between,
+    cover_pack,
+    pack_at,
+    packs_between,
+)
 
 SMALLEST = 0.7
 """Smaller billboards are drawn with this radius, pixels, and hide accordingly less."""
@@ -33,11 +43,6 @@ def drawn_as(sharp, blur, alpha):
     """Radius that a billboard is drawn with, pixels, and how much it hides, as what it hides in all stays the same."""
     radius = ti.max(ti.max(sharp, blur), SMALLEST)
     return radius, alpha * (sharp / radius) * (sharp / radius)
-
-
-@ti.func
-def _ramp(t):
-    return ti.min(ti.max(t, 0.0), 1.0)
 
 
 @ti.func
@@ -77,6 +82,19 @@ def _nearest(table: ti.template(), first, size, u, v, column: ti.template()):
 
 
 @ti.func
+def _shaded(caps: ti.template(), first, size, fine, u, v, tint):
+    """Light of a cap at u, v in −1..1, and how much it hides."""
+    lit, gloss = vec4(0.0), vec4(0.0)
+    if fine:
+        lit = _bilinear(caps, first, size, u, v, 0)
+        gloss = _bilinear(caps, first, size, u, v, 4)
+    else:
+        lit = _nearest(caps, first, size, u, v, 0)
+        gloss = _nearest(caps, first, size, u, v, 4)
+    return vec3(lit[0] * tint[0] + gloss[0], lit[1] * tint[1] + gloss[1], lit[2] * tint[2] + gloss[2]), lit[3]
+
+
+@ti.func
 def _ball(x, y, radius, blur, z, tint, alpha, first, size, tile, caps: ti.template(), store: ti.template()):
     """Draw a disc with the shading of a cap."""
     ramp = 1.0 / (1.0 + 2.0 * ti.min(blur, radius))
@@ -84,24 +102,21 @@ def _ball(x, y, radius, blur, z, tint, alpha, first, size, tile, caps: ti.templa
     top, bottom = between(y, reach, tile.top, tile.bottom)
     for line in range(top, bottom):
         dy = line - y
-        half = ti.sqrt(ti.max(reach * reach - dy * dy, 0.0))
-        left, right = between(x, half, tile.left, tile.right)
-        for column in range(left, right):
-            if can_be_seen(tile, column, line, store):
-                dx = column - x
-                distance = ti.sqrt(dx * dx + dy * dy)
-                covered = alpha * _ramp((radius - distance) * ramp + 0.5)
-                shrunk = inner * ti.min(1.0, RIM * radius / ti.max(distance, 1e-6))
-                u, v = dx * shrunk, dy * shrunk
-                lit, gloss = vec4(0.0), vec4(0.0)
-                if fine:
-                    lit = _bilinear(caps, first, size, u, v, 0)
-                    gloss = _bilinear(caps, first, size, u, v, 4)
-                else:
-                    lit = _nearest(caps, first, size, u, v, 0)
-                    gloss = _nearest(caps, first, size, u, v, 4)
-                light = vec3(lit[0] * tint[0] + gloss[0], lit[1] * tint[1] + gloss[1], lit[2] * tint[2] + gloss[2])
-                cover(tile, column, line, z, light * covered, lit[3] * covered, store)
+        left, right = between(x, ti.sqrt(ti.max(reach * reach - dy * dy, 0.0)), tile.left, tile.right)
+        first_pack, end = packs_between(left, right, tile)
+        for pack in range(first_pack, end):
+            place, dx = pack_at(pack, line, tile), beside(pack, x, tile)
+            distance = ti.sqrt(dx * dx + dy * dy)
+            covered = alpha * ti.min(ti.max((radius - distance) * ramp + 0.5, 0.0), 1.0)
+            covered = ti.select(store[place, THROUGH] > FAINT, covered, 0.0)
+            shrunk = inner * ti.min(1.0, RIM * radius / ti.max(distance, 1e-6))
+            u, v = dx * shrunk, dy * shrunk
+            red, green, blue, hidden = Single(0.0), Single(0.0), Single(0.0), Single(0.0)
+            for k in ti.static(range(PACK)):
+                if covered[k] > 0.0:
+                    light, hidden[k] = _shaded(caps, first, size, fine, u[k], v[k], tint)
+                    red[k], green[k], blue[k] = light[0], light[1], light[2]
+            cover_pack(place, z, [red * covered, green * covered, blue * covered], hidden * covered, store)
 
 
 @ti.func
@@ -112,16 +127,21 @@ def _picture(
     inner = 1.0 / radius
     left, right = between(x, extent, tile.left, tile.right)
     top, bottom = between(y, extent, tile.top, tile.bottom)
-    for line in range(top, bottom):
-        dy = line - y
-        for column in range(left, right):
-            dx = column - x
+    first_pack, end = packs_between(left, right, tile)
+    for pack in range(first_pack, end):
+        dx = beside(pack, x, tile)
+        for line in range(top, bottom):
+            dy = line - y
+            place = pack_at(pack, line, tile)
             u, v = (dx * c + dy * s) * inner, (dy * c - dx * s) * inner
-            edge = _ramp((1.0 - ti.max(ti.abs(u), ti.abs(v))) * radius + 0.5)
-            if (edge > 0.0) & can_be_seen(tile, column, line, store):
-                texel = _bilinear(sheets, first, size, u, v, 0) * (alpha * edge)
-                light = vec3(texel[0] * tint[0], texel[1] * tint[1], texel[2] * tint[2])
-                cover(tile, column, line, z, light, texel[3] * hides, store)
+            edge = ti.min(ti.max((1.0 - ti.max(ti.abs(u), ti.abs(v))) * radius + 0.5, 0.0), 1.0)
+            some = ti.select(store[place, THROUGH] > FAINT, edge, 0.0) * alpha
+            red, green, blue, hidden = Single(0.0), Single(0.0), Single(0.0), Single(0.0)
+            for k in ti.static(range(PACK)):
+                if some[k] > 0.0:
+                    texel = _bilinear(sheets, first, size, u[k], v[k], 0) * some[k]
+                    red[k], green[k], blue[k], hidden[k] = texel[0], texel[1], texel[2], texel[3]
+            cover_pack(place, z, [red * tint[0], green * tint[1], blue * tint[2]], hidden * hides, store)
 
 
 @ti.func

@@ -130,24 +130,48 @@ def can_be_seen(tile, column, line, store: ti.template()):
 
 
 @ti.func
+def packs_between(left, right, tile):
+    """The first pack of a line, and the one behind the last, that columns from `left` to before `right` are in."""
+    return (left - tile.left) // PACK, (right - tile.left + PACK - 1) // PACK
+
+
+@ti.func
+def beside(pack, x, tile):
+    """How far the pixels of a pack of a line are to the right of x."""
+    return ti.Vector([ti.cast(k, ti.f32) for k in range(PACK)]) + (tile.left + pack * PACK - x)
+
+
+@ti.func
+def pack_at(pack, line, tile):
+    """Place of a pack of a line in a store."""
+    return tile.first + (line - tile.top) * PACKS + pack
+
+
+@ti.func
+def cover_pack(place, z, light: ti.template(), hides, store: ti.template()):
+    """Put light, a pack for each of its numbers, that hides some of what is behind it behind what is there already."""
+    seen = store[place, THROUGH]
+    shown = ti.select(seen > FAINT, seen, 0.0)
+    left_over = seen - hides * shown
+    store[place, AWAY] = ti.select((seen >= 0.5) & (left_over < 0.5), z, store[place, AWAY])
+    store[place, THROUGH] = left_over
+    for k in ti.static(range(3)):
+        store[place, LIT + k] = store[place, LIT + k] + light[k] * shown
+
+
+@ti.func
 def draw_speck(x, y, reach, z, light: vec3, alpha, tile, store: ti.template()):
     """Draw a disc of one colour, whose antialiased edge ends at `reach`."""
     left, right = between(x, reach, tile.left, tile.right)
     top, bottom = between(y, reach, tile.top, tile.bottom)
-    for pack in range((left - tile.left) // PACK, (right - tile.left + PACK - 1) // PACK):
-        dx = ti.Vector([ti.cast(k, ti.f32) for k in range(PACK)]) + (tile.left + pack * PACK - x)
-        square = dx * dx
+    first, end = packs_between(left, right, tile)
+    for pack in range(first, end):
+        dx = beside(pack, x, tile)
         for line in range(top, bottom):
             dy = line - y
-            node = tile.first + (line - tile.top) * PACKS + pack
-            covered = ti.min(ti.max(reach - ti.sqrt(square + dy * dy), 0.0), 1.0)
-            seen = store[node, THROUGH]
-            shown = ti.select(seen > FAINT, covered, 0.0) * seen
-            left_over = seen - alpha * shown
-            store[node, AWAY] = ti.select((seen >= 0.5) & (left_over < 0.5), z, store[node, AWAY])
-            store[node, THROUGH] = left_over
-            for k in ti.static(range(3)):
-                store[node, LIT + k] = store[node, LIT + k] + light[k] * shown
+            covered = ti.min(ti.max(reach - ti.sqrt(dx * dx + dy * dy), 0.0), 1.0)
+            lit = [light[k] * covered for k in ti.static(range(3))]
+            cover_pack(pack_at(pack, line, tile), z, lit, alpha * covered, store)
 
 
 @ti.func
