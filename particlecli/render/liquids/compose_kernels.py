@@ -54,11 +54,10 @@ def compose(
         planes, hiding: (normal, height of the camera), of which the first `hiding` hide what is below them.
         rays: see `View.rays`.
     """
-    if bending > 0.0:
-        for y in range(height):
-            for x in range(width):
-                held[y * width + x] = color[y * width + x]
-                opened[y * width + x] = vec3(sky[y, x], cover[y, x], depth[y * width + x])
+    for y in range(height if bending > 0.0 else 0):
+        for x in range(width):
+            held[y * width + x] = color[y * width + x]
+            opened[y * width + x] = vec3(sky[y, x], cover[y, x], depth[y * width + x])
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:

@@ -52,24 +52,27 @@ Single = ti.types.vector(PACK, ti.f32)
 
 
 @ti.func
-def _span(row, rows: ti.template(), line, packs):
-    """First and last pack of a line that a blob reaches into, and how far below its middle the line is."""
-    dy = line - rows[row, Y]
-    half_cross = 0.5 * rows[row, MXY] * dy
-    mxx = rows[row, MXX]
-    wide = ti.sqrt(ti.max(half_cross * half_cross - mxx * (rows[row, MYY] * dy * dy - 1.0), 0.0)) / mxx
-    middle = rows[row, X] - half_cross / mxx
+def _outline(mxx, mxy, myy):
+    """Where a blob ends: on a line dy below its middle it is within √(narrowing dy² + square) of its x − lean dy."""
+    lean, inverse = 0.5 * mxy / mxx, 1.0 / mxx
+    return lean, lean * lean - myy * inverse, inverse
+
+
+@ti.func
+def _span(x, dy, lean, narrowing, square, packs):
+    """First and last pack of a line that a blob reaches into, `dy` pixels below its middle."""
+    middle, wide = x - lean * dy, ti.sqrt(ti.max(narrowing * dy * dy + square, 0.0))
     left = ti.max(ti.cast(ti.ceil(middle - wide), ti.i32), 0) // PACK
     right = ti.min(ti.cast(ti.floor(middle + wide), ti.i32), packs * PACK - 1) // PACK
     if middle + wide < 0.0:
         right = -1
-    return left, right, dy
+    return left, right
 
 
 @ti.func
-def _beside(row, rows: ti.template(), pack):
-    """How far the pixels of a pack are to the right of a blob's middle."""
-    return ti.Vector([ti.cast(i, ti.f32) for i in range(PACK)]) + (pack * PACK - rows[row, X])
+def _beside(x, pack):
+    """How far the pixels of a pack are to the right of x."""
+    return ti.Vector([ti.cast(i, ti.f32) for i in range(PACK)]) + (pack * PACK - x)
 
 
 @ti.func
@@ -112,16 +115,19 @@ def enter(
     """
     depth, c, hx, hy = rows[row, DEPTH], rows[row, C], rows[row, HX], rows[row, HY]
     mxx, mxy, myy = rows[row, MXX], rows[row, MXY], rows[row, MYY]
+    x, y = rows[row, X], rows[row, Y]
+    lean, narrowing, square = _outline(mxx, mxy, myy)
     nearest = depth - rows[row, EZ]
     for line in range(
-        ti.max(ti.cast(ti.ceil(rows[row, Y] - rows[row, EY]), ti.i32), top),
-        ti.min(ti.cast(ti.floor(rows[row, Y] + rows[row, EY]), ti.i32) + 1, bottom),
+        ti.max(ti.cast(ti.ceil(y - rows[row, EY]), ti.i32), top),
+        ti.min(ti.cast(ti.floor(y + rows[row, EY]), ti.i32) + 1, bottom),
     ):
-        left, right, dy = _span(row, rows, line, packs)
+        dy = line - y
+        left, right = _span(x, dy, lean, narrowing, square, packs)
         for pack in range(left, right + 1):
             cell = (line - top) * packs + pack
             if nearest < farthest[worker, cell]:
-                dx = _beside(row, rows, pack)
+                dx = _beside(x, pack)
                 least = dx * (mxx * dx + mxy * dy) + myy * dy * dy
                 middle = depth + hx * dx + hy * dy
                 met = least < radius
@@ -144,16 +150,19 @@ def gather(
     """Add a blob's density where rays are, and its derivatives; if `whole`, gradients and tints too."""
     depth, c, hx, hy = rows[row, DEPTH], rows[row, C], rows[row, HX], rows[row, HY]
     mxx, mxy, myy = rows[row, MXX], rows[row, MXY], rows[row, MYY]
+    x, y = rows[row, X], rows[row, Y]
+    lean, narrowing, square = _outline(mxx, mxy, myy)
     nearest = depth - rows[row, EZ]
     for line in range(
-        ti.max(ti.cast(ti.ceil(rows[row, Y] - rows[row, EY]), ti.i32), top),
-        ti.min(ti.cast(ti.floor(rows[row, Y] + rows[row, EY]), ti.i32) + 1, bottom),
+        ti.max(ti.cast(ti.ceil(y - rows[row, EY]), ti.i32), top),
+        ti.min(ti.cast(ti.floor(y + rows[row, EY]), ti.i32) + 1, bottom),
     ):
-        left, right, dy = _span(row, rows, line, packs)
+        dy = line - y
+        left, right = _span(x, dy, lean, narrowing, square, packs)
         for pack in range(left, right + 1):
             cell = (line - top) * packs + pack
             if nearest < farthest[worker, cell]:
-                dx = _beside(row, rows, pack)
+                dx = _beside(x, pack)
                 below = cells[worker, cell, NEAR] - (depth + hx * dx + hy * dy)
                 slope = c * below
                 rest = ti.max(1.0 - dx * (mxx * dx + mxy * dy) - myy * dy * dy - slope * below, 0.0)

@@ -5,6 +5,7 @@ import taichi as ti
 from particlecli.render.arrays import Ids, Integers, Row, Rows, vec4
 from particlecli.render.binning import begin, clear_counts
 from particlecli.render.liquids.density import (
+    BEND,
     BLUES,
     FAR,
     NEAR,
@@ -48,11 +49,28 @@ def _take_to_bands(
 
 
 @ti.func
-def _empty(worker, cells: ti.template(), size, first: ti.template(), value):
-    """Set what a band keeps to a value, from one number to the last."""
+def _empty(worker, cells: ti.template(), cell, last: ti.template()):
+    """Set what a pack gathers to 0, up to the last number."""
+    for number in ti.static(range(F, last + 1)):
+        cells[worker, cell, number] = Single(0.0)
+
+
+@ti.func
+def _look_again(size, packs, lines, worker, cells: ti.template(), farthest: ti.template(), again: ti.template(),
+    limits: ti.template(), whole,
+):  # fmt: skip
+    """Empty the packs that look for blobs again, or all that have come to some, and tell how far they look."""
     for cell in range(size):
-        for number in ti.static(range(first, BLUES + 1)):
-            cells[worker, cell, number] = Single(value)
+        farthest[worker, cell] = -FAR
+        if whole:
+            _empty(worker, cells, cell, BLUES)
+        elif again[worker, cell] != 0:
+            _empty(worker, cells, cell, BEND)
+        if whole | (again[worker, cell] != 0):
+            near = cells[worker, cell, NEAR]
+            farthest[worker, cell] = farthest_of(ti.select(near < 0.5 * FAR, near, -FAR))
+    for pack in range(packs):
+        limits[worker, pack] = limit_of(pack, packs, lines, worker, farthest)
 
 
 @ti.func
@@ -66,13 +84,7 @@ def _find(
     doubtful = 1
     for turn in range(CLIMBS + 1):
         if (doubtful != 0) | (turn == CLIMBS):
-            for cell in range(size):
-                near = cells[worker, cell, NEAR]
-                most = farthest_of(ti.select(near < 0.5 * FAR, near, -FAR))
-                farthest[worker, cell] = most if (again[worker, cell] != 0) | (turn == CLIMBS) else -FAR
-            _empty(worker, cells, size, F, 0.0)
-            for pack in range(packs):
-                limits[worker, pack] = limit_of(pack, packs, bottom - top, worker, farthest)
+            _look_again(size, packs, bottom - top, worker, cells, farthest, again, limits, turn == CLIMBS)
             for o in range(first, end):
                 if not hidden(order[o], rows, packs, worker, limits):
                     gather(order[o], rows, top, bottom, packs, worker, cells, farthest, turn == CLIMBS)
