@@ -21,6 +21,9 @@ from particlecli.scene.groups import Emitter, Group
 from particlecli.scene.model import Scene
 from particlecli.scene.poses import Poses
 
+AHEAD = 4096
+"""Births that are drawn at once where fewer are asked for."""
+
 
 @dataclass(frozen=True)
 class BirthTable:
@@ -78,11 +81,25 @@ class EmitterBirths:
         self.has_masses = isinstance(emitter.mass, Distribution)
         self.has_temperature = emitter.temperature is not None
         self.hottest = None if emitter.temperature is None else support(emitter.temperature)[1]
+        self._since, self._drawn = np.inf, self.table(0, 0)
 
     def between(self, after: float, until: float) -> BirthTable:
-        """The births at after < t ≤ until, s; nothing is drawn for others. The first span begins at −inf."""
-        first, last = self._times.until(np.array([after, until]))
-        return self.table(int(first), int(last))
+        """The births at after < t ≤ until, s; the first span begins at −inf.
+
+        Some more are drawn and kept, for spans follow each other and the work for a few births is mostly overhead.
+        """
+        if not self._have(after, until):
+            first, last = (int(index) for index in self._times.until(np.array([after, until])))
+            self._since, self._drawn = after, self.table(first, min(max(last, first + AHEAD), self.total))
+        first, last = np.searchsorted(self._drawn.times, [after, until], side="right")
+        return self._drawn.rows(np.arange(first, last))
+
+    def _have(self, after: float, until: float) -> bool:
+        """Whether all births of a span are drawn."""
+        drawn = self._drawn
+        if after < self._since or not len(drawn):
+            return False
+        return until < float(drawn.times[-1]) or int(drawn.ids[-1]) + 1 == self.total
 
     def table(self, first: int, last: int) -> BirthTable:
         """The births with indices from `first` to `last` − 1, within 0 and `total`."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import taichi as ti
@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from particlecli import runtime
 from particlecli.dynamics.births import BirthTable, ParticleBirths
-from particlecli.dynamics.coupled.pins import at_start
-from particlecli.dynamics.coupled.system import CoupledSystem
 from particlecli.dynamics.fixed import FixedGroup
 from particlecli.dynamics.flows import flow_terms
 from particlecli.dynamics.forces import force_term
@@ -26,6 +24,9 @@ from particlecli.dynamics.plan import Plan
 from particlecli.errors import SimulationError
 from particlecli.frame import Floats, Frame, GroupFrame
 from particlecli.scene.groups import Emitter, Particles
+
+if TYPE_CHECKING:
+    from particlecli.dynamics.coupled.system import CoupledSystem
 
 OPTIONAL_FIELDS = frozenset({"velocities", "ages", "lifetimes", "temperatures"})
 
@@ -65,13 +66,20 @@ class System:
         self._flows = {name: flow_terms(terms, plan.scene.seed) for name, terms in plan.flows.items()}
         self._place_tables(memory)
         self.groups = {group.name: self._group(group, memory) for group in plan.groups}
-        bound = {name: group for name, group in self.groups.items() if group.plan.coupled}
-        self.coupled = CoupledSystem(bound, plan.couplings, self._real, memory) if bound else None
+        self.coupled = self._couple(memory)
         self._offspring = self._make_offspring()
         self._order = [name for name in by_generation(plan.scene) if name in self.groups]
         self.fixed = {name: FixedGroup(plan.scene, name) for name in plan.fixed}
         memory.open()
         self.restart()
+
+    def _couple(self, memory: FieldMemory) -> "CoupledSystem | None":
+        bound = {name: group for name, group in self.groups.items() if group.plan.coupled}
+        if not bound:
+            return None
+        from particlecli.dynamics.coupled.system import CoupledSystem  # takes a while, and most scenes need none
+
+        return CoupledSystem(bound, self.plan.couplings, self._real, memory)
 
     def restart(self) -> None:
         """Go back to t = 0, to the particles that are there from the beginning."""
@@ -87,7 +95,7 @@ class System:
             if isinstance(births, ParticleBirths):
                 for first in range(0, births.total, BIRTHS_AT_A_TIME):
                     table = births.table(first, min(first + BIRTHS_AT_A_TIME, births.total))
-                    self._bear(name, at_start(group.plan, table))
+                    self._bear(name, _at_start(group.plan, table) if group.plan.pins else table)
         self._born_until = -np.inf
         if self.coupled:
             self.coupled.restart()
@@ -325,3 +333,9 @@ def _properties(table: BirthTable) -> dict[str, Floats | None]:
         "cooling_rate": table.cooling_rates,
         "inverse_mass": None if table.masses is None else 1.0 / table.masses,
     }
+
+
+def _at_start(plan: GroupPlan, table: BirthTable) -> BirthTable:
+    from particlecli.dynamics.coupled.pins import at_start
+
+    return at_start(plan, table)

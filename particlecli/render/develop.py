@@ -1,14 +1,16 @@
 """The last step of a picture, row by row: light of all levels, exposure, tone, sky and encoding.
 
 A row passes through a worker's own store three times: as light, pixel by pixel; as places in the table of
-values, PACK pixels at once; as values. Each pass is straight-line code, which the compiler takes to SIMD.
+values, PACK pixels at once; as values. Each pass is straight-line code, which the compiler takes to SIMD. Then its
+light on level 0 is taken away, while it is at hand: the next picture finds that level empty.
 """
 
 import taichi as ti
 
 from particlecli.render.arena import PACK
 from particlecli.render.arrays import Image, Integers, IntegerTable, Rows, vec4
-from particlecli.render.spread import refined
+from particlecli.render.layout import CLEARANCE, MARGIN
+from particlecli.render.spread import halo_share, refined
 from particlecli.render.tasks import GRAIN, LANES
 from particlecli.render.tone import BLEED, FRACTION, HIGHEST, LOWEST, MANTISSA
 
@@ -37,10 +39,17 @@ def _light_row(
         here = light[node + 2 * j]
         beside = light[node + 2 * j + 1]
         even = (left + right) * (0.03125 * exposure) + middle * (0.1875 * exposure)
-        rows[worker, 2 * j] = even + (here - here * here[3]) * own
-        rows[worker, 2 * j + 1] = (middle + right) * (0.125 * exposure) + (beside - beside * beside[3]) * own
+        rows[worker, 2 * j] = even + (here - here * halo_share(here)) * own
+        rows[worker, 2 * j + 1] = (middle + right) * (0.125 * exposure) + (beside - beside * halo_share(beside)) * own
         left = middle
         middle = right
+
+
+@ti.func
+def _clear_row(y, light: ti.template(), origin, pitch):
+    first = origin + y * pitch - MARGIN
+    for node in range(first, first + pitch):
+        light[node] = vec4(0.0)
 
 
 @ti.func
@@ -111,7 +120,7 @@ def develop(
     kept: ti.f32, exposure: ti.f32, sky: vec4, soil: vec4, cover: Rows, seen_sky: Rows, encoding: Integers,
     noise: IntegerTable, image: IntegerTable, grounded: ti.template(), bodied: ti.template(),
 ):  # fmt: skip
-    """Values of a picture from the light of a collapsed pyramid.
+    """Values of a picture from the light of a collapsed pyramid, whose level 0 is emptied.
 
     Args:
         light, rows, places: see `Arena`.
@@ -129,12 +138,14 @@ def develop(
     for lane in range(LANES):
         if lane % GRAIN == 0:
             worker = lane // GRAIN
-            y = ti.atomic_add(counter[0], 1)
-            while y < height:
-                _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, exposure)
-                _tone_row(y, worker, rows, places, width, sky, soil, cover, seen_sky, grounded, bodied)
-                _encode_row(y, worker, places, width, encoding, noise, image)
-                y = ti.atomic_add(counter[0], 1)
+            y = ti.atomic_add(counter[0], 1) - MARGIN
+            while y < height + MARGIN + CLEARANCE:
+                if (y >= 0) & (y < height):
+                    _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, exposure)
+                    _tone_row(y, worker, rows, places, width, sky, soil, cover, seen_sky, grounded, bodied)
+                    _encode_row(y, worker, places, width, encoding, noise, image)
+                _clear_row(y, light, origin, pitch)
+                y = ti.atomic_add(counter[0], 1) - MARGIN
 
 
 @ti.kernel
@@ -143,15 +154,17 @@ def expose(
     origin: ti.i32, pitch: ti.i32, coarse: ti.i32, coarse_pitch: ti.i32, width: ti.i32, height: ti.i32,
     kept: ti.f32, image: Image,
 ):  # fmt: skip
-    """Linear light of a collapsed pyramid, shape (height, width, 3), as `develop` sees it."""
+    """Linear light of a collapsed pyramid, shape (height, width, 3), as `develop` sees it; level 0 is emptied too."""
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             worker = lane // GRAIN
-            y = ti.atomic_add(counter[0], 1)
-            while y < height:
-                _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, 1.0)
-                for x in range(width):
-                    for k in ti.static(range(3)):
-                        image[y, x, k] = rows[worker, x][k]
-                y = ti.atomic_add(counter[0], 1)
+            y = ti.atomic_add(counter[0], 1) - MARGIN
+            while y < height + MARGIN + CLEARANCE:
+                if (y >= 0) & (y < height):
+                    _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, 1.0)
+                    for x in range(width):
+                        for k in ti.static(range(3)):
+                            image[y, x, k] = rows[worker, x][k]
+                _clear_row(y, light, origin, pitch)
+                y = ti.atomic_add(counter[0], 1) - MARGIN

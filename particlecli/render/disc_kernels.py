@@ -1,5 +1,7 @@
 """Sorting discs by the bands of rows they touch, and drawing them with antialiased edges.
 
+A record is x, y, the radius of the filtered disc and the number of its sprite.
+
 The light of a disc is filtered with a quadratic B-spline, ¾ − d² near its middle, which keeps its energy and
 centroid exactly wherever it lies between pixels. A disc of the wanted radius R has the variance R²/4 and the
 filter ¼, so a disc of radius √(R² − 1) is filtered; below one pixel a point is left. Each band draws the rows
@@ -11,8 +13,9 @@ import taichi as ti
 from particlecli.render.arrays import Integers, Rows, vec3, vec4
 from particlecli.render.binning import begin, clear_counts
 from particlecli.render.layout import BAND, MARGIN
+from particlecli.render.records import COLORS, END, FIRST, HALO
 from particlecli.render.sprites import ENERGY, PACK, RADIUS, TINT, X, Y
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import GRAIN, LANES
 
 FILTER = 1.5
 """Reach of the filter, pixels."""
@@ -29,7 +32,7 @@ def _inner_radius(radius):
 @ti.func
 def _sort(
     place_of_bins, first, end, which, sprites: ti.template(), counts: ti.template(), records: ti.template(),
-    pitch, bands, placing: ti.template(),
+    pitch, bands, placing,
 ):  # fmt: skip
     """Take discs to the bands they touch: count the records, or put them where the counts say."""
     for i in range(first, end):
@@ -44,7 +47,7 @@ def _sort(
             for k in range(place_of_bins + top, place_of_bins + bottom):
                 place = counts[k]
                 counts[k] = place + 1
-                if ti.static(placing):
+                if placing:
                     records[place] = vec4(x, y, radius, i)
 
 
@@ -102,60 +105,71 @@ def _draw_disc(light: ti.template(), start, pitch, top, x, y, radius, color):
                         light[node] = light[node] + color * (covered * down[j])
 
 
-@ti.kernel
-def draw_discs(
-    first: ti.i32, end: ti.i32, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
-    room: ti.i32, pitch: ti.i32, bands: ti.i32, light: ti.template(), start: ti.i32, colors: Rows, halo: ti.f32,
-    counter: Integers,
+@ti.func
+def _draw_record(
+    record, light: ti.template(), start, pitch, top, which, sprites: ti.template(), tints, halo, colors: ti.template()
 ):  # fmt: skip
-    """Add discs to level 0 of a pyramid's light, from node `start` on, if there is room for their records.
+    """Draw one disc's rows in the band that begins at row `top`."""
+    number = ti.cast(record[3], ti.i32)
+    b, at = number // PACK, number % PACK
+    tint = tints + ti.cast(sprites[which, TINT, b][at] + 0.5, ti.i32)
+    color = vec4(colors[tint, 0], colors[tint, 1], colors[tint, 2], colors[tint, 3] * halo)
+    color = color * sprites[which, ENERGY, b][at]
+    if record[2] > 0.0:
+        _draw_disc(light, start, pitch, top, record[0], record[1], record[2], color)
+    else:
+        _draw_point(light, start, pitch, top, record[0], record[1], color)
 
-    A record is x, y, the radius of the filtered disc and the number of its sprite.
+
+@ti.kernel
+def sort_discs(
+    chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
+    pitch: ti.i32, bands: ti.i32, counter: Integers, placing: ti.i32,
+):  # fmt: skip
+    """Count the records that discs make, or, once that is done, put them in their places.
 
     Args:
-        first, end: the first sprite of the set and the one behind the last.
-        which: the set.
-        sprites, records, counts, room: see `Store`.
-        colors: a tint's table.
-        halo: share of the light that forms a halo around each disc.
-        counter: shape (2,); the second number tells how many records it takes.
+        chunks: of sprites, see `records`.
+        which: their set.
+        sprites, records, counts: see `Store`.
+        pitch, bands: nodes in a row, and bands, of the finest level.
+        counter: shape (2,); the second number becomes how many records there are.
+        placing: whether to place them, for which there must be room.
     """
-    chunks = (end - first + CHUNK - 1) // CHUNK
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                begins = first + chunk * CHUNK
-                ends = ti.min(end, begins + CHUNK)
-                clear_counts(chunk, bands, counts)
-                _sort(chunk * bands, begins, ends, which, sprites, counts, records, pitch, bands, False)
+            while chunk < chunks.shape[0]:
+                first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
+                if not placing:
+                    clear_counts(chunk, bands, counts)
+                _sort(chunk * bands, first, end, which, sprites, counts, records, pitch, bands, placing)
                 chunk = ti.atomic_add(counter[0], 1)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        counter[1] = begin(chunks, bands, counts)
-        counter[0] = 0 if counter[1] <= room else chunks
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                begins = first + chunk * CHUNK
-                ends = ti.min(end, begins + CHUNK)
-                _sort(chunk * bands, begins, ends, which, sprites, counts, records, pitch, bands, True)
-                chunk = ti.atomic_add(counter[0], 1)
-    counter[0] = 0 if counter[1] <= room else bands
+        if not placing:
+            counter[1] = begin(chunks.shape[0], bands, counts)
+
+
+@ti.kernel
+def splat_discs(
+    chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
+    pitch: ti.i32, bands: ti.i32, light: ti.template(), start: ti.i32, colors: Rows, counter: Integers,
+):  # fmt: skip
+    """Add sorted discs to light, from node `start` on; `colors` has the tables of all tints."""
+    counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             band = ti.atomic_add(counter[0], 1)
             while band < bands:
-                for o in range(counts[chunks * bands + band], counts[chunks * bands + band + 1]):
-                    x, y, radius, number = records[o][0], records[o][1], records[o][2], ti.cast(records[o][3], ti.i32)
-                    b, at = number // PACK, number % PACK
-                    tint = ti.cast(sprites[which, TINT, b][at] + 0.5, ti.i32)
-                    color = vec4(colors[tint, 0], colors[tint, 1], colors[tint, 2], colors[tint, 3] * halo)
-                    color = color * sprites[which, ENERGY, b][at]
-                    if radius > 0.0:
-                        _draw_disc(light, start, pitch, band * BAND, x, y, radius, color)
-                    else:
-                        _draw_point(light, start, pitch, band * BAND, x, y, color)
+                first = counts[chunks.shape[0] * bands + band]
+                for chunk in range(chunks.shape[0]):
+                    end = counts[chunk * bands + band]
+                    tints, halo = ti.cast(chunks[chunk, COLORS], ti.i32), chunks[chunk, HALO]
+                    for o in range(first, end):
+                        _draw_record(
+                            records[o], light, start, pitch, band * BAND, which, sprites, tints, halo, colors
+                        )  # fmt: skip
+                    first = end
                 band = ti.atomic_add(counter[0], 1)

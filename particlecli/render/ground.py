@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from particlecli.render.arena import PACK
 from particlecli.render.arrays import vec3
+from particlecli.render.batch import Batch
 from particlecli.render.camera import View
-from particlecli.render.canvas import Canvas
 from particlecli.render.colour import from_hex
 from particlecli.render.ground_kernels import add_pool, lay_ground
 from particlecli.render.painter import Painter
-from particlecli.render.particles import Particles
+from particlecli.render.particles import Particles, room_of
 from particlecli.render.pyramid import Pyramid
 from particlecli.render.shot import mirror_row
+from particlecli.render.sprites import POOLED, SEEN
 from particlecli.scene.look import Ground
 from particlecli.scene.model import Scene
 from particlecli.scene.planes import Plane
@@ -177,7 +178,7 @@ def sizes(width: int, height: int) -> list[tuple[int, int]]:
 class GroundPlane:
     """One plane as ground; adds what is seen on it to a picture."""
 
-    def __init__(self, facing: Facing, ground: Ground, view: View, seen: Canvas, pool: Canvas) -> None:
+    def __init__(self, facing: Facing, ground: Ground, view: View, seen: Pyramid, pool: Pyramid) -> None:
         """`seen` and `pool` have the `sizes` for this view; planes may share them."""
         self._step = _step(view.height)
         self._rays = view.rays(self._step).astype(np.float32)
@@ -189,15 +190,20 @@ class GroundPlane:
         self._seen, self._pool = seen, pool
         self._counter = np.zeros(1, np.int32)
 
-    def add(self, groups: Sequence[tuple[Painter, Particles]], light: Pyramid) -> None:
-        """Add what the plane mirrors and throws back of the groups' light to the picture's level 0."""
+    def add(self, groups: Sequence[tuple[Painter, Particles]], colors: Floats, light: Pyramid) -> None:
+        """Add what the plane mirrors and throws back of the groups' light to the picture's level 0.
+
+        `colors` has the tables of all tints.
+        """
         if not any(particles.count for _, particles in groups):
             return
-        seen, pool = self._seen.pyramid, self._pool.pyramid
+        seen, pool = self._seen, self._pool
         seen.clear()
         pool.clear()
+        batch = Batch({SEEN: seen, POOLED: pool}, colors, room_of(particles for _, particles in groups))
         for painter, particles in groups:
-            painter.reflect(particles, self._seen, self._pool, self._mirror, 1 / self._step, POOL_HALO)
+            painter.reflect(particles, batch, self._mirror, 1 / self._step, POOL_HALO)
+        batch.draw()
         seen.collapse(onto=0)
         pool.collapse(onto=0)
         level, grid, picture = seen.levels[0], pool.levels[0], light.levels[0]

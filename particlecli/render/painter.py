@@ -1,4 +1,4 @@
-"""How one group is painted: from its particles to light on a canvas, in mirrors and on the ground."""
+"""How one group is painted: from its particles to sprites of a picture, of a mirror and of light on the ground."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.frame import GroupFrame
+from particlecli.render.batch import Batch
 from particlecli.render.camera import View
-from particlecli.render.canvas import Canvas
 from particlecli.render.looks.base import Look
 from particlecli.render.particles import Particles
 from particlecli.render.project import project
 from particlecli.render.reflect import reflect
 from particlecli.render.shot import lens_row, paint_of
 from particlecli.render.solids.layer import Layer
+from particlecli.render.sprites import POOLED, SEEN, Span
+from particlecli.render.tasks import CHUNK
 from particlecli.render.tint import Tint
 from particlecli.scene.look import GroupLook
 
@@ -27,10 +29,20 @@ POOLED_AT_MOST = 1 << 15
 class Painter:
     """Paints one group."""
 
-    def __init__(self, style: GroupLook, look: Look, tint: Tint, interval: float, largest: float) -> None:
-        """`interval` is the time between frames, s; `largest` the radius that no particle exceeds, pixels."""
+    def __init__(self, style: GroupLook, look: Look, tint: Tint, colors: int, interval: float, largest: float) -> None:
+        """Prepares to paint.
+
+        Args:
+            style: of the group.
+            look: how sprites become light.
+            tint: its colours.
+            colors: where they begin in the table of all tints.
+            interval: time between frames, s.
+            largest: radius that no particle exceeds, pixels.
+        """
         self.look = look
         self.tint = tint
+        self._colors = colors
         self.fades = style.fade_in > 0 or style.fade_out > 0
         self._counter = np.zeros(1, np.int32)
         self._style, self._interval, self._largest = style, interval, largest
@@ -54,47 +66,41 @@ class Painter:
         return Particles.of(group, self.tint, self._view.position, moving=self.look.smeared)
 
     def draw(
-        self, particles: Particles, canvas: Canvas, planes: Floats, hiding: int, bodies: Layer | None = None
+        self, particles: Particles, batch: Batch, planes: Floats, hiding: int, bodies: Layer | None = None
     ) -> None:  # fmt: skip
-        """Add the particles' light; bodies and the first `hiding` planes (normal, height) hide what is behind them."""
-        sprites = canvas.tools.sprites
-        for first, count in particles.batches(smeared=self.look.smeared):
-            sprites.reserve(count)
+        """Put the particles' sprites in a batch; bodies and the first `hiding` planes (normal, height) hide them."""
+        look = self.look
+        for first, count in particles.batches(smeared=look.smeared):
+            place = batch.take(count)
             project(
-                first, count, *particles.arrays, self._shot(particles), planes, self._counter, sprites.store.sprites,
-                *self._source(particles), *self._smear(particles), hiding,
+                first, count, *particles.arrays, self._shot(particles), planes, self._counter, batch.store.sprites,
+                place, *self._source(particles), *self._smear(particles), hiding, count <= CHUNK,
             )  # fmt: skip
             if bodies:
-                bodies.hide(sprites, first, count, particles, self._view)
-            self.look.draw(canvas, count, self.tint.table)
+                bodies.hide(batch.store, place, first, count, particles, self._view)
+            batch.add(SEEN, Span(place, place + count, self._colors, look.halo, look.smeared, look.crisp))
 
-    def reflect(
-        self, particles: Particles, seen: Canvas, pool: Canvas, mirror: Floats, resolution: float, halo: float
-    ) -> None:
-        """Add the light of the particles' mirror images, and a plane's irradiance by them.
+    def reflect(self, particles: Particles, batch: Batch, mirror: Floats, resolution: float, halo: float) -> None:
+        """Put the particles' mirror images in a batch, and the light that they throw on the mirror.
 
         Args:
             particles: this group's.
-            seen: takes what the mirror shows; it has `resolution` pixels to a pixel of the picture.
-            pool: takes the irradiance, on the plane's grid.
+            batch: takes what the mirror shows, with `resolution` pixels to a pixel of the picture, as SEEN, and the
+                irradiance on the plane's grid as POOLED.
             mirror: the plane.
-            resolution: see `seen`.
+            resolution: see `batch`.
             halo: share of the irradiance that falls far away.
         """
         shot = np.concatenate([self._shot(particles), mirror])
         one_in = -(-particles.count // MIRRORED_AT_MOST), -(-particles.count // POOLED_AT_MOST)
-        mirrored, pooled = seen.tools.sprites, pool.tools.pooled
         for first, count in particles.batches(smeared=self.look.smeared):
-            mirrored.reserve(count)
-            pooled.reserve(count)
+            place = batch.take(count)
             reflect(
-                first, count, *particles.arrays, particles.ids, shot, self._counter, mirrored.store.sprites,
-                *one_in, resolution, *self._source(particles), *self._smear(particles),
+                first, count, *particles.arrays, particles.ids, shot, self._counter, batch.store.sprites,
+                *one_in, resolution, place, *self._source(particles), *self._smear(particles), count <= CHUNK,
             )  # fmt: skip
-            seen.tools.soft.draw(
-                mirrored, count, seen.pyramid, self.tint.table, halo=self.look.halo, smeared=self.look.smeared
-            )
-            pool.tools.soft.draw(pooled, count, pool.pyramid, self.tint.table, halo=halo)
+            batch.add(SEEN, Span(place, place + count, self._colors, self.look.halo, self.look.smeared))
+            batch.add(POOLED, Span(place, place + count, self._colors, halo))
 
     def _shot(self, particles: Particles) -> Floats:
         return self._relative if particles.relative else self._absolute

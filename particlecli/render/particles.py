@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.frame import GroupFrame
-from particlecli.render.sprites import FEW, MANY
+from particlecli.render.sprites import FEW, MANY, PACK
 from particlecli.render.tint import Tint
 
 Floats = NDArray[np.float32]
@@ -102,6 +102,11 @@ class Particles:
         most = FEW if smeared else MANY
         for first in range(0, self.count, most):
             yield first, min(most, self.count - first)
+
+
+def room_of(groups: Iterable[Particles]) -> int:
+    """Places that the sprites of all particles of some groups take, whole packs for each group."""
+    return sum(particles.count + -particles.count % PACK for particles in groups)
 
 
 def _single(values: NDArray[np.floating[Any]]) -> Floats:

@@ -16,9 +16,6 @@ from particlecli.render.arena import Arena, arena_for
 from particlecli.render.layout import Level, bins_of, deviation, levels_of, table_of
 from particlecli.render.spread import clear, gather, settle_small, widen
 
-NARROW_LEVELS = 2
-"""On so many levels, from the finest, halos and bloom are halved with the narrow weights."""
-
 SMALL = 1 << 14
 """Levels of no more nodes are settled by one thread, in one go."""
 
@@ -57,9 +54,9 @@ class Pyramid:
         """Radius of the largest sprite that the coarsest level can carry, pixels."""
         return 2 * deviation(len(self.levels) - 1)
 
-    def clear(self) -> None:
-        """Take all light away."""
-        clear(self.arena.light, self.levels[0].offset, self.levels[-1].end)
+    def clear(self, first: int = 0) -> None:
+        """Take all light away from the levels from the `first` on."""
+        clear(self.arena.light, self.levels[first].offset, self.levels[-1].end)
 
     def collapse(self, share: float = 0.0, stays: NDArray[np.float32] | None = None, *, onto: int) -> None:
         """Spread halos and bloom over the coarser levels, then bring these together.
@@ -76,10 +73,10 @@ class Pyramid:
         last = len(self.levels) - 1
         small = next(place for place in range(1, last + 1) if self._is_small(place) or place == last)
         for place in range(small):
-            widen(place, *buffers, *rest, place == 0, place < NARROW_LEVELS)
+            widen(place, *buffers, *rest, place == 0)
         settle_small(small, last, *buffers, self.table, steps, share)
         for place in range(small - 1, onto - 1, -1):
-            gather(place, *buffers, *rest, place == 0)
+            gather(place, last, *buffers, *rest, place == 0)
 
     def _is_small(self, place: int) -> bool:
         return self.levels[place].width * self.levels[place].height <= SMALL

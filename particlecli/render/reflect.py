@@ -86,23 +86,25 @@ def reflect(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
     ids: Ids, shot: Row, counter: Integers, sprites: ti.template(),
     mirrored_one_in: ti.i32, pooled_one_in: ti.i32, resolution: ti.f32,
-    source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32,
+    at: ti.i32, source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32, alone: ti.template(),
 ):  # fmt: skip
     """Sprites of the particles' mirror images in a plane, and of the light that they throw on it.
 
     Of many particles only one in `…_one_in` is taken, chosen by its id, and stands for the others. `shot` has the
-    lens, the paint and the mirror.
+    lens, the paint and the mirror. Sprites come to the places from `at` on of both sets; one thread does it `alone`.
     """
     counter[0] = 0
-    for lane in range(LANES):
+    if ti.static(alone):
+        ti.loop_config(serialize=True)
+    for lane in range(ti.static(1 if alone else LANES)):
         if lane % GRAIN == 0:
             lens, paint, mirror = lens_in(shot), paint_in(shot), mirror_in(shot, MIRROR)
             chunk = ti.atomic_add(counter[0], 1)
             while chunk * CHUNK < count:
                 for k in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-                    i = first + k
-                    sprites[SEEN, ENERGY, k // PACK][k % PACK] = 0.0
-                    sprites[POOLED, ENERGY, k // PACK][k % PACK] = 0.0
+                    i, s = first + k, at + k
+                    sprites[SEEN, ENERGY, s // PACK][s % PACK] = 0.0
+                    sprites[POOLED, ENERGY, s // PACK][s % PACK] = 0.0
                     in_mirror, in_pool = ids[i] % mirrored_one_in == 0, ids[i] % pooled_one_in == 0
                     if in_mirror or in_pool:
                         point = vector(positions, i) - lens.origin
@@ -110,9 +112,9 @@ def reflect(
                         tint = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
                         if in_mirror:
                             _mirrored(
-                                i, k, point, velocities, ages, lens, paint, mirror, light * mirrored_one_in, tint,
+                                i, s, point, velocities, ages, lens, paint, mirror, light * mirrored_one_in, tint,
                                 resolution, sprites, aged, smeared,
                             )  # fmt: skip
                         if in_pool:
-                            _pooled(k, point, lens, paint, mirror, light * pooled_one_in, tint, sprites)
+                            _pooled(s, point, lens, paint, mirror, light * pooled_one_in, tint, sprites)
                 chunk = ti.atomic_add(counter[0], 1)

@@ -12,17 +12,19 @@ from particlecli import runtime
 from particlecli.frame import Frame
 from particlecli.render.arena import PACK
 from particlecli.render.arrays import vec4
+from particlecli.render.batch import Batch
 from particlecli.render.bodies import Bodies
 from particlecli.render.camera import View, views_of
-from particlecli.render.canvas import Canvas, Tools
 from particlecli.render.colour import from_hex
 from particlecli.render.develop import WORDS, develop, expose
 from particlecli.render.ground import GroundPlane, coverage, facing_planes, planes_of, sizes
 from particlecli.render.looks import LOOKS
 from particlecli.render.painter import Painter
+from particlecli.render.particles import room_of
 from particlecli.render.pyramid import pyramids_of
 from particlecli.render.shadows import CELLS, Shadows, casters
 from particlecli.render.shot import LINES
+from particlecli.render.sprites import SEEN
 from particlecli.render.tint import tint_of
 from particlecli.render.tone import dither, encoding_table, fixed, sky_light
 from particlecli.scene.look import GroupLook
@@ -44,19 +46,18 @@ class Renderer:
         self._view_at = views_of(scene.camera, self.width, self.height, scene.frames)
         look = scene.look
         self._planes_at, self._ground = planes_of(scene), look.ground
-        tools = Tools()
         below = sizes(self.width, self.height) if self._planes_at(0.0) else []
         grid = [(CELLS, CELLS)] if casters(scene) else []
-        first, *rest = (Canvas(pyramid, tools) for pyramid in pyramids_of([(self.width, self.height), *below, *grid]))
-        self._canvas, self._below = first, rest[: len(below)]
+        self._pyramid, *rest = pyramids_of([(self.width, self.height), *below, *grid])
+        self._below = rest[: len(below)]
         self._shadows = Shadows(scene, rest[-1]) if grid else None
-        largest = min(self._canvas.pyramid.largest, float(self.height))
-        self._painters = self._make_painters(scene, largest)
+        largest = min(self._pyramid.largest, float(self.height))
+        self._painters, self._colors = _painters(scene, largest)
         self._bodies = Bodies.of(scene, (self.width, self.height), largest)
         self._aim(self._view_at(0.0), self._planes_at(0.0))
         self._soil = vec4(*(look.ground.brightness * look.exposure * from_hex(look.ground.color)), 0.0)
         self._bloom = look.bloom
-        self._stays = _stays(self.height, len(self._canvas.pyramid.levels))
+        self._stays = _stays(self.height, len(self._pyramid.levels))
         self._exposure = look.exposure
         self._sky = vec4(*sky_light(look.background), 0.0)
         self._encoding = fixed(encoding_table(look.background))
@@ -64,15 +65,6 @@ class Renderer:
         self._dither = fixed(dither(packs * PACK, self.height))
         self._counter = np.zeros(1, np.int32)
         self._image = np.zeros((self.height, packs * WORDS), np.int32)
-
-    def _make_painters(self, scene: Scene, largest: float) -> dict[str, Painter]:
-        painters = {}
-        for place, name in enumerate(scene.groups):
-            style = scene.look.groups.get(name, GroupLook())
-            if style.as_ in LOOKS:
-                tint = tint_of(style.color, place)
-                painters[name] = Painter(style, LOOKS[style.as_], tint, 1 / scene.fps, largest)
-        return painters
 
     def _aim(self, view: View, standing: Sequence[Plane]) -> None:
         """Look from where the camera is at planes where they are."""
@@ -101,7 +93,7 @@ class Renderer:
             sRGB values, shape (height, width, 3); valid until the next call.
         """
         self._gather(frame)
-        arena = self._canvas.pyramid.arena
+        arena = self._pyramid.arena
         develop(
             arena.light, arena.rows, arena.places, self._counter, *self._geometry, self.width, self.height,
             self._kept, self._exposure, self._sky, self._soil, self._cover, self._sky_seen, self._encoding,
@@ -114,7 +106,7 @@ class Renderer:
         """Light of a frame's particles before exposure and tone, linear sRGB, shape (height, width, 3)."""
         self._gather(frame)
         image: NDArray[np.float32] = np.empty((self.height, self.width, 3), np.float32)
-        arena = self._canvas.pyramid.arena
+        arena = self._pyramid.arena
         expose(
             arena.light, arena.rows, self._counter, *self._geometry, self.width, self.height, self._kept, image
         )  # fmt: skip
@@ -122,7 +114,7 @@ class Renderer:
 
     @property
     def _geometry(self) -> tuple[int, int, int, int]:
-        finest, coarse = self._canvas.pyramid.levels[:2]
+        finest, coarse = self._pyramid.levels[:2]
         return finest.origin, finest.pitch, coarse.origin, coarse.pitch
 
     @property
@@ -133,16 +125,18 @@ class Renderer:
         view, standing = self._view_at(frame.time), self._planes_at(frame.time)
         if view is not self.view or standing is not self._standing:
             self._aim(view, standing)
-        pyramid = self._canvas.pyramid
+        pyramid = self._pyramid
         pyramid.arena.claim(self)
-        pyramid.clear()
+        pyramid.clear(1)  # developing the last picture has emptied level 0
         groups = [(painter, painter.particles(frame.groups[name])) for name, painter in self._painters.items()]
         for ground in self._grounds:
-            ground.add(groups, pyramid)
+            ground.add(groups, self._colors, pyramid)
         self._lay(frame)
         layer = self._bodies.layer if self._bodies else None
+        batch = Batch({SEEN: pyramid}, self._colors, room_of(particles for _, particles in groups))
         for painter, particles in groups:
-            painter.draw(particles, self._canvas, self._hiding, len(self._grounds), layer)
+            painter.draw(particles, batch, self._hiding, len(self._grounds), layer)
+        batch.draw()
         pyramid.collapse(self._bloom, self._stays, onto=1)
 
     def _lay(self, frame: Frame) -> None:
@@ -154,12 +148,25 @@ class Renderer:
             self._shadows.fall(frame, self._facing, self.view, self._cover)
         if self._bodies:
             self._bodies.draw(frame, self._sky_seen, self._cover)
-            self._bodies.layer.lay(self._canvas.pyramid, self._sky_seen, self._cover)
+            self._bodies.layer.lay(self._pyramid, self._sky_seen, self._cover)
 
     @property
     def _dressed(self) -> bool:
         """Whether there are bodies or shadows, and so sky and ground change from frame to frame."""
         return self._bodies is not None or self._shadows is not None
+
+
+def _painters(scene: Scene, largest: float) -> tuple[dict[str, Painter], NDArray[np.float32]]:
+    """Painters of the groups that are light, and the tables of all their tints, one below the other."""
+    painters, tables, places = {}, [np.zeros((1, 4), np.float32)], 1
+    for place, name in enumerate(scene.groups):
+        style = scene.look.groups.get(name, GroupLook())
+        if style.as_ in LOOKS:
+            tint = tint_of(style.color, place)
+            painters[name] = Painter(style, LOOKS[style.as_], tint, places, 1 / scene.fps, largest)
+            tables.append(tint.table)
+            places += len(tint.table)
+    return painters, np.concatenate(tables)
 
 
 def _stays(height: int, levels: int) -> NDArray[np.float32]:

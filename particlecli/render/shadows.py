@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from particlecli.frame import Frame
 from particlecli.render.arrays import vec3
+from particlecli.render.batch import Batch
 from particlecli.render.camera import View
-from particlecli.render.canvas import Canvas
 from particlecli.render.ground import Facing, mirror_of
-from particlecli.render.particles import Particles
+from particlecli.render.particles import Particles, room_of
+from particlecli.render.pyramid import Pyramid
 from particlecli.render.shot import lens_row, paint_of
 from particlecli.render.solids.shadow_kernels import cast, shade
+from particlecli.render.sprites import POOLED, Span
 from particlecli.render.tint import Tint
 from particlecli.scene.look import GroupLook
 from particlecli.scene.model import Scene
@@ -34,41 +36,45 @@ _PLAIN = Tint("none", 0.0, 1.0, np.ones((1, 4), np.float32))
 class Shadows:
     """The groups of a scene that cast shadows."""
 
-    def __init__(self, scene: Scene, canvas: Canvas) -> None:
-        """`canvas` has CELLS × CELLS nodes for the shadows on one plane."""
+    def __init__(self, scene: Scene, pyramid: Pyramid) -> None:
+        """`pyramid` has CELLS × CELLS nodes for the shadows on one plane."""
         self._styles = {name: _caster(scene, name) for name in casters(scene)}
         self._ground, self._sun = scene.look.ground, vec3(*scene.look.light.direction)
-        self._canvas = canvas
+        self._pyramid = pyramid
         self._counter = np.zeros(1, np.int32)
 
     def fall(self, frame: Frame, planes: list[Facing], view: View, cover: Floats) -> None:
         """Take from how much lit ground is seen of each pixel, shape (height, width or more), what is in shadow."""
-        pyramid, rays = self._canvas.pyramid, view.rays().astype(np.float32)
+        pyramid, rays = self._pyramid, view.rays().astype(np.float32)
         level = pyramid.levels[0]
+        groups = {
+            name: Particles.of(frame.groups[name], _PLAIN, view.position, moving=False) for name in self._styles
+        }  # fmt: skip
         for plane in planes:
             row = mirror_of(plane, self._ground, view, CELLS)
             pyramid.clear()
+            batch = Batch({POOLED: pyramid}, _PLAIN.table, room_of(groups.values()))
             for name, style in self._styles.items():
-                self._cast(Particles.of(frame.groups[name], _PLAIN, view.position, moving=False), style, row, view)
+                self._cast(groups[name], style, row, view, batch)
+            batch.draw()
             pyramid.collapse(onto=0)
             shade(
                 pyramid.arena.light, self._counter, level.origin, level.pitch, float(CELLS), row, rays,
                 np.ascontiguousarray(plane.cover, np.float32), cover, view.width, view.height,
             )  # fmt: skip
 
-    def _cast(self, particles: Particles, style: GroupLook, plane: Floats, view: View) -> None:
-        tools = self._canvas.tools
+    def _cast(self, particles: Particles, style: GroupLook, plane: Floats, view: View, batch: Batch) -> None:
         origin = np.zeros(3) if particles.relative else view.position
         shot = np.concatenate([lens_row(view, origin, math.inf), paint_of(style, _PLAIN, view), plane])
         fading = (style.fade_in > 0 or style.fade_out > 0) and particles.has_lifetimes
         one_in = max(1, -(-particles.count // CAST_AT_MOST))
         for first, count in particles.batches():
-            tools.pooled.reserve(count)
+            place = batch.take(count)
             cast(
                 first, count, particles.positions, particles.ages, particles.lifetimes, particles.ids, shot, self._sun,
-                self._counter, tools.pooled.store.sprites, one_in, fading,
+                self._counter, batch.store.sprites, place, one_in, fading,
             )  # fmt: skip
-            tools.soft.draw(tools.pooled, count, self._canvas.pyramid, _PLAIN.table, halo=0.0)
+            batch.add(POOLED, Span(place, place + count, 0, halo=0.0))
 
 
 def casters(scene: Scene) -> list[str]:

@@ -2,43 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.render.pyramid import Pyramid
-from particlecli.render.records import draw_in_parts
-from particlecli.render.soft_kernels import draw_soft
-from particlecli.render.sprites import Sprites
+from particlecli.render.records import Chunks, draw_in_parts
+from particlecli.render.soft_kernels import sort_soft, splat
+from particlecli.render.sprites import Span, Store
 
 
-class SoftRaster:
-    """Draws soft sprites."""
+def draw_soft(store: Store, which: int, spans: Sequence[Span], pyramid: Pyramid, colors: NDArray[np.float32]) -> None:
+    """Add soft sprites to a pyramid's light.
 
-    def __init__(self) -> None:
-        self._counter = np.zeros(2, np.int32)
+    Args:
+        store: where the sprites are, in pixels of the pyramid's level 0.
+        which: their set.
+        spans: which sprites of the set.
+        pyramid: takes the light.
+        colors: shape (places, 4), tables of all tints.
+    """
+    counter = np.zeros(2, np.int32)
+    last = len(pyramid.levels) - 1
 
-    def draw(
-        self, sprites: Sprites, count: int, pyramid: Pyramid, colors: NDArray[np.float32], *,
-        halo: float, smeared: bool = False,
-    ) -> None:  # fmt: skip
-        """Add the first `count` sprites to the pyramid's light.
-
-        Args:
-            sprites: where and how bright, in pixels of the pyramid's level 0.
-            count: how many.
-            pyramid: takes the light.
-            colors: shape (places, 4), a tint's table.
-            halo: share of the light that forms a halo around each sprite.
-            smeared: whether to draw tails.
-        """
-        store = sprites.store
-        last = len(pyramid.levels) - 1
-
-        def draw(first: int, end: int) -> int:
-            draw_soft(
-                first, end, sprites.which, store.sprites, store.records, store.counts, store.room, pyramid.table, last,
-                pyramid.arena.light, colors, halo, self._counter, smeared,
+    def draw(chunks: Chunks) -> int:
+        for placing in (False, True):
+            sort_soft(
+                chunks, which, store.sprites, store.records, store.counts, pyramid.table, last, counter, placing
             )  # fmt: skip
-            return int(self._counter[1])
+            needed = int(counter[1])
+            if needed > store.room:
+                return needed
+        for parity in (0, 1):
+            splat(
+                chunks, store.records, store.counts, pyramid.table, last, pyramid.arena.light, colors, counter, parity
+            )  # fmt: skip
+        return needed
 
-        draw_in_parts(count, store, pyramid.bins, draw)
+    draw_in_parts(spans, store, pyramid.bins, draw)

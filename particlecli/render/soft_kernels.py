@@ -10,8 +10,9 @@ import taichi as ti
 from particlecli.render.arrays import Integers, IntegerTable, Rows, vec4
 from particlecli.render.binning import begin, clear_counts
 from particlecli.render.layout import BANDS, BIN, MARGIN, OFFSET, PITCH
+from particlecli.render.records import COLORS, END, FIRST, HALO, SMEARED
 from particlecli.render.soft_sorting import sort, sort_smeared
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import GRAIN, LANES
 
 
 @ti.func
@@ -61,18 +62,20 @@ def _section(part, level, band, levels: ti.template()):
 
 
 @ti.func
-def _splat_band(
-    level, band, light: ti.template(), levels: ti.template(), starts, counts: ti.template(), records: ti.template(),
-    colors: ti.template(), halo,
+def _splat_bin(
+    part, bin_, level, light: ti.template(), levels: ti.template(), bins, chunks: ti.template(), counts: ti.template(),
+    records: ti.template(), colors: ti.template(),
 ):  # fmt: skip
-    """Add a band's light, section by section; from place `starts` on counts tell where bins begin."""
-    for part in range(3):
-        first, end = _section(part, level, band, levels)
-        for o in range(counts[starts + first], counts[starts + end]):
+    """Add the light of a bin's records, chunk by chunk; counts tell where the records of each chunk end."""
+    first = counts[chunks.shape[0] * bins + bin_]
+    for chunk in range(chunks.shape[0]):
+        end = counts[chunk * bins + bin_]
+        tints, halo = ti.cast(chunks[chunk, COLORS], ti.i32), chunks[chunk, HALO]
+        for o in range(first, end):
             record = records[o]
             x, y = record[0], record[1]
-            tint = ti.cast(record[2], ti.i32)
-            fraction = record[2] - tint
+            place = ti.cast(record[2], ti.i32)
+            fraction = record[2] - place
             share, marked = fraction, halo
             if part == 0:
                 share, marked = 1.0, halo * fraction
@@ -80,93 +83,91 @@ def _splat_band(
                 share = 1.0 - fraction
             else:
                 x, y = 0.5 * x + 0.5 * MARGIN, 0.5 * y + 0.5 * MARGIN
+            tint = tints + place
             color = vec4(colors[tint, 0], colors[tint, 1], colors[tint, 2], colors[tint, 3] * marked)
             _splat(light, levels[level, OFFSET], levels[level, PITCH], x, y, color * (record[3] * share))
+        first = end
 
 
 @ti.func
 def _splat_task(
-    task, parity, light: ti.template(), levels: ti.template(), starts, counts: ti.template(), records: ti.template(),
-    colors: ti.template(), halo,
+    task, parity, light: ti.template(), levels: ti.template(), bins, chunks: ti.template(), counts: ti.template(),
+    records: ti.template(), colors: ti.template(),
 ):  # fmt: skip
-    """Splat one of the bands, of all levels, that are even or odd: no two of them overlap."""
+    """Splat one of the bands, of all levels, that are even or odd, section by section: no two of them overlap."""
     level, band = 0, 2 * task + parity
     while band >= levels[level, BANDS]:
         band -= (levels[level, BANDS] + 1 - parity) // 2 * 2
         level += 1
-    _splat_band(level, band, light, levels, starts, counts, records, colors, halo)
+    for part in range(3):
+        first, end = _section(part, level, band, levels)
+        for bin_ in range(first, end):
+            _splat_bin(part, bin_, level, light, levels, bins, chunks, counts, records, colors)
 
 
 @ti.func
-def _tasks(parity, last, levels: ti.template()):
-    """How many bands of all levels are even, or odd."""
-    total = 0
-    for level in range(last + 1):
-        total += (levels[level, BANDS] + 1 - parity) // 2
-    return total
+def _bins(levels: ti.template(), last):
+    return levels[last, BIN] + levels[last, BANDS]
 
 
 @ti.kernel
-def draw_soft(
-    first: ti.i32, end: ti.i32, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
-    room: ti.i32, levels: IntegerTable, last: ti.i32, light: ti.template(), colors: Rows, halo: ti.f32,
-    counter: Integers, smeared: ti.i32,
+def sort_soft(
+    chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
+    levels: IntegerTable, last: ti.i32, counter: Integers, placing: ti.i32,
 ):  # fmt: skip
-    """Add sprites to a pyramid's light, if there is room for their records.
+    """Count the records that sprites make, or, once that is done, put them in their places.
 
     Args:
-        first, end: the first sprite of the set, a multiple of PACK, and the one behind the last.
-        which: the set.
-        sprites, records, counts, room: see `Store`.
+        chunks: of sprites, see `records`.
+        which: their set.
+        sprites, records, counts: see `Store`.
         levels: see `layout`.
         last: the coarsest level.
-        colors: a tint's table.
-        halo: share of the light that forms a halo around each sprite.
-        counter: shape (2,); the second number tells how many records it takes.
-        smeared: whether to draw tails.
+        counter: shape (2,); the second number becomes how many records there are.
+        placing: whether to place them, for which there must be room.
     """
-    chunks = (end - first + CHUNK - 1) // CHUNK
-    bins = levels[last, BIN] + levels[last, BANDS]
+    bins = _bins(levels, last)
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                start = first + chunk * CHUNK
-                stop = ti.min(end, start + CHUNK)
-                clear_counts(chunk, bins, counts)
-                if smeared:
-                    sort_smeared(chunk * bins, start, stop, which, sprites, levels, counts, records, last, False)
+            while chunk < chunks.shape[0]:
+                first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
+                if not placing:
+                    clear_counts(chunk, bins, counts)
+                if chunks[chunk, SMEARED] > 0.0:
+                    sort_smeared(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
                 else:
-                    sort(chunk * bins, start, stop, which, sprites, levels, counts, records, last, False)
+                    sort(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
                 chunk = ti.atomic_add(counter[0], 1)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        counter[1] = begin(chunks, bins, counts)
-        counter[0] = 0 if counter[1] <= room else chunks
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                start = first + chunk * CHUNK
-                stop = ti.min(end, start + CHUNK)
-                if smeared:
-                    sort_smeared(chunk * bins, start, stop, which, sprites, levels, counts, records, last, True)
-                else:
-                    sort(chunk * bins, start, stop, which, sprites, levels, counts, records, last, True)
-                chunk = ti.atomic_add(counter[0], 1)
-    even, odd = _tasks(0, last, levels), _tasks(1, last, levels)
-    counter[0] = 0 if counter[1] <= room else even
+        if not placing:
+            counter[1] = begin(chunks.shape[0], bins, counts)
+
+
+@ti.kernel
+def splat(
+    chunks: Rows, records: ti.template(), counts: ti.template(), levels: IntegerTable, last: ti.i32,
+    light: ti.template(), colors: Rows, counter: Integers, parity: ti.i32,
+):  # fmt: skip
+    """Add the light of sorted records to a pyramid's, in the bands that are even (parity 0) or odd (1).
+
+    Args:
+        chunks, records, counts, levels, last: as they were sorted.
+        colors: tables of all tints.
+        counter: shape (2,), for work.
+    """
+    bins = _bins(levels, last)
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        counter[0] = 0
+        counter[1] = 0
+        for level in range(last + 1):
+            counter[1] = counter[1] + (levels[level, BANDS] + 1 - parity) // 2
     for lane in range(LANES):
         if lane % GRAIN == 0:
             task = ti.atomic_add(counter[0], 1)
-            while task < even:
-                _splat_task(task, 0, light, levels, chunks * bins, counts, records, colors, halo)
-                task = ti.atomic_add(counter[0], 1)
-    counter[0] = 0 if counter[1] <= room else odd
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            task = ti.atomic_add(counter[0], 1)
-            while task < odd:
-                _splat_task(task, 1, light, levels, chunks * bins, counts, records, colors, halo)
+            while task < counter[1]:
+                _splat_task(task, parity, light, levels, bins, chunks, counts, records, colors)
                 task = ti.atomic_add(counter[0], 1)

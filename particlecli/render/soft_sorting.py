@@ -75,7 +75,7 @@ def _take(counts: ti.template(), k):
 @ti.func
 def sort(
     bins, first, end, which, sprites: ti.template(), levels: ti.template(), counts: ti.template(),
-    records: ti.template(), last, placing: ti.template(),
+    records: ti.template(), last, placing,
 ):  # fmt: skip
     """Take sprites to the bins that begin at a place: count the records, or put them where the counts say."""
     for b in range(first // PACK, (end + PACK - 1) // PACK):
@@ -89,14 +89,14 @@ def sort(
         for lane in range(ti.min(PACK, end - b * PACK)):
             if band[lane] >= 0:
                 place = _take(counts, bins + _first_bin(kind[lane], levels) + band[lane])
-                if ti.static(placing):
+                if placing:
                     records[place] = vec4(x[lane], y[lane], tint[lane], energy[lane])
 
 
 @ti.func
 def sort_smeared(
     bins, first, end, which, sprites: ti.template(), levels: ti.template(), counts: ti.template(),
-    records: ti.template(), last, placing: ti.template(),
+    records: ti.template(), last, placing,
 ):  # fmt: skip
     """The same for smeared sprites, each drawn as a row of them."""
     for b in range(first // PACK, (end + PACK - 1) // PACK):
@@ -116,5 +116,5 @@ def sort_smeared(
                     band = _band(x, y, level, levels)
                     if band >= 0:
                         place = _take(counts, bins + _first_bin(kind, levels) + band)
-                        if ti.static(placing):
+                        if placing:
                             records[place] = vec4(x, y, tint, energy / steps)

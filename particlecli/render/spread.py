@@ -4,7 +4,7 @@ import taichi as ti
 
 from particlecli.render.arrays import Integers, IntegerTable, Row, vec4
 from particlecli.render.colour import LUMINANCE
-from particlecli.render.layout import CLEARANCE, HEIGHT, MARGIN, OFFSET, PITCH, SHIFT, WIDTH
+from particlecli.render.layout import HEIGHT, MARGIN, OFFSET, PITCH, SHIFT, WIDTH
 from particlecli.render.tasks import GRAIN, LANES
 
 CARRIED = 0.7071
@@ -13,31 +13,27 @@ CARRIED = 0.7071
 REACH = 3
 """Nodes outside the picture whose light still comes back into it."""
 
-_WIDE = ((-2, 0.125), (-1, 0.5), (0, 0.75), (1, 0.5), (2, 0.125))
-"""Shares of the nodes around that halving gives to a node: a cubic B-spline, which keeps halos in shape."""
+_WIDE = 0.75, 0.125
+"""Shares of a node and of the next but one that halving gives to a node, next to ½ of its neighbours: a cubic B-spline,
+which keeps halos in shape."""
 
-_NARROW = ((-1, 0.5), (0, 1.0), (1, 0.5))
-"""Enough for the finest two levels, on which a splat gives half of its light to every other node."""
+_NARROW = 1.0, 0.0
+"""Enough for the finest levels, on which a splat gives half of its light to every other node."""
+
+NARROW_LEVELS = 2
+"""How many levels those are."""
 
 _R, _G, _B = (float(component) for component in LUMINANCE)
 
 
 @ti.func
-def _share_row(row, level, light: ti.template(), levels: ti.template()):
-    """Turn the luminance that is marked for halos into the share of the light that it is, in one row."""
-    pitch = levels[level, PITCH]
-    first = levels[level, OFFSET] + row * pitch
-    for node in range(first, first + pitch):
-        here = light[node]
+def halo_share(here):
+    """The share of a node's light that has a halo, from the luminance that is marked for halos."""
+    share = 0.0
+    if here[3] > 0.0:
         luminance = _R * here[0] + _G * here[1] + _B * here[2]
-        if here[3] > 0.0:
-            light[node][3] = ti.min(here[3] / ti.max(luminance, 1e-20), 1.0)
-
-
-@ti.func
-def _rows(level, levels: ti.template()):
-    """Rows of a level with its margins."""
-    return levels[level, HEIGHT] + 2 * MARGIN + CLEARANCE
+        share = ti.min(here[3] / ti.max(luminance, 1e-20), 1.0)
+    return share
 
 
 @ti.func
@@ -59,7 +55,7 @@ def _leaving(
 ):  # fmt: skip
     """Halo and bloom that go on from a node, which has those that came at `node − first`; none came to the finest."""
     here = light[node]
-    onwards = here * here[3]
+    onwards = here * halo_share(here)
     scattered = share * (here - onwards)
     if ti.static(not finest):
         arrived = halo[node - first]
@@ -70,48 +66,46 @@ def _leaving(
 
 @ti.func
 def _column(
-    light: ti.template(), halo: ti.template(), bloom: ti.template(), node, pitch, first, share,
-    finest: ti.template(), narrow: ti.template(),
+    light: ti.template(), halo: ti.template(), bloom: ti.template(), node, pitch, first, share, middle, outer,
+    finest: ti.template(),
 ):  # fmt: skip
     """Halo and bloom that go on from nodes above each other, weighted."""
-    wide, lens = vec4(0.0), vec4(0.0)
-    for k, weight in ti.static(_NARROW if narrow else _WIDE):
+    wide, lens = _leaving(light, halo, bloom, node, first, share, finest)
+    wide, lens = middle * wide, middle * lens
+    for k in ti.static((-1, 1)):
         onwards, scattered = _leaving(light, halo, bloom, node + k * pitch, first, share, finest)
-        wide = wide + weight * onwards
-        lens = lens + weight * scattered
+        wide, lens = wide + 0.5 * onwards, lens + 0.5 * scattered
+    if ti.static(not finest):
+        for k in ti.static((-2, 2)):
+            onwards, scattered = _leaving(light, halo, bloom, node + k * pitch, first, share, finest)
+            wide, lens = wide + outer * onwards, lens + outer * scattered
     return wide, lens
-
-
-@ti.func
-def _across(a, b, c, d, e, narrow: ti.template()):
-    """Five columns next to each other, with the weights of `_column`."""
-    total = 0.5 * (b + d) + ti.static(1.0 if narrow else 0.75) * c
-    if ti.static(not narrow):
-        total = total + 0.125 * (a + e)
-    return total
 
 
 @ti.func
 def _widen_row(
     row, level, light: ti.template(), halo: ti.template(), bloom: ti.template(), levels: ti.template(),
-    stays: ti.template(), share, finest: ti.template(), narrow: ti.template(),
+    stays: ti.template(), share, finest: ti.template(),
 ):  # fmt: skip
     """Halve a level's halo and bloom into one row of the next; the weights keep light and centroids."""
     first, pitch = levels[level, SHIFT], levels[level, PITCH]
     width, goes_on = levels[level + 1, WIDTH], 1.0 - stays[level]
+    middle, outer = _NARROW[0], _NARROW[1]
+    if level >= NARROW_LEVELS:
+        middle, outer = _WIDE[0], _WIDE[1]
     y = MARGIN - REACH + row
     node = levels[level, OFFSET] + (2 * y - MARGIN) * pitch + MARGIN - 2 * REACH
     target = levels[level + 1, OFFSET] - first + y * levels[level + 1, PITCH] + MARGIN - REACH
-    a, p = _column(light, halo, bloom, node - 2, pitch, first, share, finest, narrow)
-    b, q = _column(light, halo, bloom, node - 1, pitch, first, share, finest, narrow)
-    c, r = _column(light, halo, bloom, node, pitch, first, share, finest, narrow)
+    a, p = _column(light, halo, bloom, node - 2, pitch, first, share, middle, outer, finest)
+    b, q = _column(light, halo, bloom, node - 1, pitch, first, share, middle, outer, finest)
+    c, r = _column(light, halo, bloom, node, pitch, first, share, middle, outer, finest)
     for i in range(width + 2 * REACH):
         here = node + 2 * i
-        d, s = _column(light, halo, bloom, here + 1, pitch, first, share, finest, narrow)
-        e, t = _column(light, halo, bloom, here + 2, pitch, first, share, finest, narrow)
-        halo[target + i] = _across(a, b, c, d, e, narrow)
+        d, s = _column(light, halo, bloom, here + 1, pitch, first, share, middle, outer, finest)
+        e, t = _column(light, halo, bloom, here + 2, pitch, first, share, middle, outer, finest)
+        halo[target + i] = 0.5 * (b + d) + middle * c + outer * (a + e)
         a, b, c = c, d, e
-        bloom[target + i] = _across(p, q, r, s, t, narrow) * goes_on
+        bloom[target + i] = (0.5 * (q + s) + middle * r + outer * (p + t)) * goes_on
         p, q, r = r, s, t
 
 
@@ -122,7 +116,7 @@ def _settled(
 ):  # fmt: skip
     """What a level holds at a node once halos and bloom are spread."""
     here = light[node]
-    settled = here - here * here[3]
+    settled = here - here * halo_share(here)
     if ti.static(not finest):
         settled = settled + (1.0 - carried) * halo[node - first]
     scattered = share * settled
@@ -133,29 +127,28 @@ def _settled(
 
 @ti.func
 def _gather_row(
-    row, level, light: ti.template(), halo: ti.template(), bloom: ti.template(), levels: ti.template(),
-    stays: ti.template(), share, finest: ti.template(), coarsest: ti.template(),
+    row, level, last, light: ti.template(), halo: ti.template(), bloom: ti.template(), levels: ti.template(),
+    stays: ti.template(), share, finest: ti.template(),
 ):  # fmt: skip
     """Settle one row of a level: its own light, its part of halos and bloom, and what coarser levels hold.
 
     A coarser node spreads its light over finer ones with weights 1 4 6 4 1 (/16) along each axis.
     """
     first = levels[level, SHIFT]
-    settling = 1.0 if ti.static(coarsest) else stays[level]
-    carried = 0.0 if ti.static(coarsest) else CARRIED
     y = MARGIN - REACH + row
     node = levels[level, OFFSET] + y * levels[level, PITCH] + MARGIN - REACH - 1
     odd = y % 2 == 1
-    pitch, above = 0, 0
+    settling, carried, pitch, above = 1.0, 0.0, 0, 0
     left, middle, right = vec4(0.0), vec4(0.0), vec4(0.0)
-    if ti.static(not coarsest):
+    if level < last:
+        settling, carried = stays[level], CARRIED
         pitch = levels[level + 1, PITCH]
         above = levels[level + 1, OFFSET] + ((y + MARGIN) // 2 - ti.select(odd, 0, 1)) * pitch
         above = above + MARGIN - (REACH + 1) // 2
         left = refined(light, above - 1, pitch, odd)
         middle = refined(light, above, pitch, odd)
     for i in range((levels[level, WIDTH] + 2 * REACH) // 2 + 1):
-        if ti.static(not coarsest):
+        if level < last:
             right = refined(light, above + i + 1, pitch, odd)
         here = node + 2 * i
         own = _settled(light, halo, bloom, here, first, share, settling, carried, finest)
@@ -176,41 +169,32 @@ def clear(light: ti.template(), first: ti.i32, end: ti.i32):
 @ti.kernel
 def widen(
     level: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
-    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32,
-    finest: ti.template(), narrow: ti.template(),
+    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
 ):  # fmt: skip
     """Spread the halos and the bloom of one level into the next; see `Pyramid.collapse`."""
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            row = ti.atomic_add(counter[0], 1)
-            while row < _rows(level, levels):
-                _share_row(row, level, light, levels)
-                row = ti.atomic_add(counter[0], 1)
     rows = levels[level + 1, HEIGHT] + 2 * REACH
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             row = ti.atomic_add(counter[0], 1)
             while row < rows:
-                _widen_row(row, level, light, halo, bloom, levels, stays, share, finest, narrow)
+                _widen_row(row, level, light, halo, bloom, levels, stays, share, finest)
                 row = ti.atomic_add(counter[0], 1)
 
 
 @ti.kernel
 def gather(
-    level: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
-    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32,
-    finest: ti.template(),
+    level: ti.i32, last: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
+    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
 ):  # fmt: skip
-    """Settle one level, once all coarser ones are."""
+    """Settle one level, once all coarser ones, to the last, are."""
     rows = levels[level, HEIGHT] + 2 * REACH
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
             row = ti.atomic_add(counter[0], 1)
             while row < rows:
-                _gather_row(row, level, light, halo, bloom, levels, stays, share, finest, False)
+                _gather_row(row, level, last, light, halo, bloom, levels, stays, share, finest)
                 row = ti.atomic_add(counter[0], 1)
 
 
@@ -222,16 +206,10 @@ def settle_small(
     """Widen and gather the levels from `level`, 1 or more, to the last, too small to be shared out."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        for row in range(_rows(level, levels)):
-            _share_row(row, level, light, levels)
         for fine in range(level, last):
-            for row in range(_rows(fine + 1, levels)):
-                _share_row(row, fine + 1, light, levels)
             for row in range(levels[fine + 1, HEIGHT] + 2 * REACH):
-                _widen_row(row, fine, light, halo, bloom, levels, stays, share, False, False)
-        for row in range(levels[last, HEIGHT] + 2 * REACH):
-            _gather_row(row, last, light, halo, bloom, levels, stays, share, False, True)
-        for step in range(last - level):
-            fine = last - 1 - step
+                _widen_row(row, fine, light, halo, bloom, levels, stays, share, False)
+        for step in range(last - level + 1):
+            fine = last - step
             for row in range(levels[fine, HEIGHT] + 2 * REACH):
-                _gather_row(row, fine, light, halo, bloom, levels, stays, share, False, False)
+                _gather_row(row, fine, last, light, halo, bloom, levels, stays, share, False)

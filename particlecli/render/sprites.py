@@ -6,6 +6,7 @@ is one store for groups of few particles and one for groups of many, and all ren
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import taichi as ti
@@ -31,16 +32,38 @@ _LEAST_RECORDS = 1 << 19
 _BINS = 1 << 11
 
 
+@dataclass(frozen=True)
+class Span:
+    """Sprites of one group, next to each other in a set.
+
+    Attributes:
+        first, end: the first, at a multiple of PACK, and the one behind the last.
+        colors: where the group's tint begins in the table of all colours.
+        halo: share of the light that forms a halo around each sprite.
+        smeared: whether they have tails.
+        crisp: whether they are drawn as discs with sharp edges rather than as soft light.
+    """
+
+    first: int
+    end: int
+    colors: int
+    halo: float
+    smeared: bool = False
+    crisp: bool = False
+
+
 class Store:
     """Room for sprites and for the records that rasters sort them into.
 
     Attributes:
+        size: how many sprites each set has room for.
         sprites: shape (2, 7, packs) of PACK; set, number, pack.
-        records: shape (room,) of 4.
+        room, records: how many records there is room for, and shape (room,) of 4.
         counts: shape (places,); see `binning`.
     """
 
     def __init__(self, count: int) -> None:
+        self.size = count
         self.room = max(count, _LEAST_RECORDS)
         self._places = (count // CHUNK + 1) * _BINS
         self.sprites = ti.field(ti.types.vector(PACK, ti.f32))
@@ -52,26 +75,9 @@ class Store:
         builder.dense(ti.i, self._places).place(self.counts)
         builder.finalize()
 
-    def most(self, bins: int) -> int:
-        """How many sprites can be sorted into so many bins at once."""
-        return (self._places // (bins + 1) - 1) * CHUNK
-
-
-class Sprites:
-    """One set of sprites.
-
-    Attributes:
-        which: its place in stores.
-        store: where they are now.
-    """
-
-    def __init__(self, which: int) -> None:
-        self.which = which
-        self.store = store_for(0)
-
-    def reserve(self, count: int) -> None:
-        """Make room for so many sprites, MANY at most; what was there is lost."""
-        self.store = store_for(count)
+    def most_chunks(self, bins: int) -> int:
+        """How many chunks of sprites can be sorted into so many bins at once."""
+        return self._places // (bins + 1) - 1
 
 
 def store_for(count: int) -> Store:

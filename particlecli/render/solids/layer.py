@@ -19,7 +19,7 @@ from particlecli.render.solids.laying_kernels import hide, lay
 from particlecli.render.solids.records import HEAD, Records
 from particlecli.render.solids.sorting import DIGITS
 from particlecli.render.solids.tiles import KEPT, PACK, TILE, TILE_PACKS
-from particlecli.render.sprites import Sprites
+from particlecli.render.sprites import Store
 from particlecli.render.tasks import CHUNK, WORKERS
 
 Floats = NDArray[np.float32]
@@ -116,10 +116,10 @@ class Layer:
             self._height, sky, cover,
         )  # fmt: skip
 
-    def hide(self, sprites: Sprites, first: int, count: int, particles: Particles, view: View) -> None:
-        """Dim `count` sprites, which are of the particles from the `first` on, where bodies are before them."""
+    def hide(self, store: Store, place: int, first: int, count: int, particles: Particles, view: View) -> None:
+        """Dim `count` sprites from a place on, of the particles from the `first` on, where bodies are before them."""
         origin = np.zeros(3) if particles.relative else view.position
         hide(
             first, count, particles.positions, *origin.tolist(), *view.forward.tolist(), self._width, self._height,
-            self.fields.color, self.fields.depth, sprites.store.sprites, self._counter,
+            self.fields.color, self.fields.depth, store.sprites, place, self._counter,
         )  # fmt: skip

@@ -31,9 +31,9 @@ def lay(
 def hide(
     first: ti.i32, count: ti.i32, positions: Rows, origin_x: ti.f32, origin_y: ti.f32, origin_z: ti.f32,
     forward_x: ti.f32, forward_y: ti.f32, forward_z: ti.f32, width: ti.i32, height: ti.i32,
-    color: ti.template(), depth: ti.template(), sprites: ti.template(), counter: Integers,
+    color: ti.template(), depth: ti.template(), sprites: ti.template(), place: ti.i32, counter: Integers,
 ):  # fmt: skip
-    """Dim sprites of light that are behind bodies."""
+    """Dim sprites of light, from a place on, that are behind bodies."""
     counter[0] = 0
     for lane in range(LANES):
         if lane % GRAIN == 0:
@@ -46,7 +46,7 @@ def hide(
                         + (positions[1, i] - origin_y) * forward_y
                         + (positions[2, i] - origin_z) * forward_z
                     )
-                    b, at = k // PACK, k % PACK
+                    b, at = (place + k) // PACK, (place + k) % PACK
                     x = ti.min(ti.max(sprites[SEEN, X, b][at] + 0.5, 0.0), width - 1.0)
                     y = ti.min(ti.max(sprites[SEEN, Y, b][at] + 0.5, 0.0), height - 1.0)
                     node = ti.cast(y, ti.i32) * width + ti.cast(x, ti.i32)

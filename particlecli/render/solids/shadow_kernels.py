@@ -20,13 +20,14 @@ FINEST = 2.0
 @ti.kernel
 def cast(
     first: ti.i32, count: ti.i32, positions: Rows, ages: Row, lifetimes: Row, ids: Ids, shot: Row, sun: vec3,
-    counter: Integers, sprites: ti.template(), one_in: ti.i32, fading: ti.i32,
+    counter: Integers, sprites: ti.template(), at: ti.i32, one_in: ti.i32, fading: ti.i32,
 ):  # fmt: skip
     """Sprites of the shadows of `count` particles on a plane's grid; their light is an optical depth.
 
     Args:
         shot: lens, paint, whose brightness is the depth in the middle of a shadow, and the plane.
         sun: where the light comes from, of length 1.
+        at: place of the first sprite in the set POOLED.
         one_in: of many particles one in so many is taken, chosen by its id, and stands for the others.
     """
     counter[0] = 0
@@ -49,7 +50,8 @@ def cast(
                     if (ids[i] % one_in != 0) | (falling <= 0.0):
                         depth = 0.0
                     energy = depth * math.pi * (radius * plane.cells) ** 2
-                    put(sprites, POOLED, k, vec2(offset.dot(plane.along), offset.dot(plane.across)), wide, energy, 0.0)
+                    place = vec2(offset.dot(plane.along), offset.dot(plane.across))
+                    put(sprites, POOLED, at + k, place, wide, energy, 0.0)
                 chunk = ti.atomic_add(counter[0], 1)
 
 
