@@ -10,14 +10,10 @@ import contextlib
 import gc
 import io
 import os
-import sys
-import warnings
 import weakref
-from collections.abc import Callable
-from types import CodeType
-from typing import Any, Literal
+from typing import Literal
 
-from particlecli.kernel_calls import quicken
+from particlecli import taichi_shortcuts
 
 Precision = Literal["single", "double"]
 
@@ -63,6 +59,8 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
             cfg_optimization=False,
             advanced_optimization=False,
             offline_cache=True,
+            cpu_block_dim_adaptive=False,  # it takes 512 turns at least, whatever a loop asks for
+            default_cpu_block_dim=512,
         )
         # The pool of threads exists by now and takes no more of them than it has.
         ti.lang.impl.get_runtime().prog.config().cpu_max_num_threads = max(settings[1], COMPILED_FOR)
@@ -94,13 +92,7 @@ def _abandoned() -> bool:
 
 
 def load() -> None:
-    """Import Taichi, rid of work that only its messages about faulty kernels need. `start` does it too.
-
-    It lays out the source of every node in lines of 80 characters, which takes a third of the time of tracing; looks up
-    a function's source at each of its calls, half of the rest; searches all modules for the source around every
-    decorator, a quarter of the time to import ours; and formats the stack for every field. Kernels are traced in every
-    process, also those that the cache has compiled.
-    """
+    """Import Taichi, silently. `start` does it too."""
     global _loaded
     if _loaded:
         return
@@ -108,37 +100,7 @@ def load() -> None:
     os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
     os.environ["TI_LOG_LEVEL"] = "error"
     with contextlib.redirect_stdout(io.StringIO()):
-        from taichi.lang import impl, kernel_impl, snode
-        from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
-
-    def position(context: Any, node: Any) -> str:
-        return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
-
-    def inside_class(level_of_class_stackframe: int) -> bool:
-        """Whether the frame below, where a decorator is applied, is the body of a class."""
-        return "__qualname__" in sys._getframe(level_of_class_stackframe - 1).f_locals
-
-    quicken()
-    ASTTransformerContext.get_pos_info = position
-    kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
-    kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
-    kernel_impl._inside_class = inside_class
-    for module in (impl, snode):
-        module.get_traceback = lambda stacklevel=1: ""  # noqa: ARG005 - keeps Taichi's signature
-    warnings.filterwarnings("ignore", message=".*Calling non-taichi function.*")
-    warnings.filterwarnings("ignore", message=".*List is a built-in.*")
-
-
-def _once(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """What is read of a function, kept for all functions with the same code."""
-    known: dict[CodeType, Any] = {}
-
-    def of(function: Any) -> Any:
-        if function.__code__ not in known:
-            known[function.__code__] = read(function)
-        return known[function.__code__]
-
-    return of
+        taichi_shortcuts.take()
 
 
 def epoch() -> int:

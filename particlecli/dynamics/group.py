@@ -18,6 +18,9 @@ from particlecli.dynamics.motion import Motion
 from particlecli.dynamics.outcome import CAREFULLY, DIED, FAILED, NOBODY, RESTING, Outcome, lowered_flags
 from particlecli.dynamics.state import PackedState
 
+PACKS_A_TASK = 32
+"""Packs that a thread takes at once: few, so that small groups with much to compute are shared out too."""
+
 
 @ti.data_oriented
 class Group:
@@ -130,6 +133,7 @@ class Group:
         steps: ti.i32,
         flags: ti.types.ndarray(dtype=ti.i32, ndim=1),
     ):
+        ti.loop_config(block_dim=PACKS_A_TASK)
         for b in range(packs):
             new = self.marched(b, start, interval, steps, Way.FREELY)
             clear = new[8] >= 0.0

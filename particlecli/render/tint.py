@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, assert_never
 
 import numpy as np
@@ -60,13 +61,18 @@ def tint_of(color: Color, place: int) -> Tint:
         case ByGroup():
             return Tint("none", 0.0, 1.0, _with_luminance(from_hex([GROUP_COLORS[place % len(GROUP_COLORS)]])))
         case Blackbody(blackbody=reference):
-            low, high = 0.25 * reference, 3.0 * reference
-            return Tint("temperature", low, high, _with_luminance(glow(np.linspace(low, high, STEPS), reference)))
+            return _blackbody(reference)
         case Mapped():
             low, high = color.range or (0.0, 1.0)
             return Tint(color.by, low, high, _with_luminance(colormap(color.map, STEPS)))
         case _:
             assert_never(color)
+
+
+@lru_cache(maxsize=16)
+def _blackbody(reference: float) -> Tint:
+    low, high = 0.25 * reference, 3.0 * reference
+    return Tint("temperature", low, high, _with_luminance(glow(np.linspace(low, high, STEPS), reference)))
 
 
 def _with_luminance(linear: NDArray[np.float64]) -> NDArray[np.float32]:

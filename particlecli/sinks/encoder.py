@@ -6,6 +6,8 @@ a disk that fills up while the last bytes are written would leave a broken video
 
 from __future__ import annotations
 
+import contextlib
+import os
 import subprocess
 import tempfile
 import threading
@@ -18,6 +20,7 @@ from particlecli.errors import OutputError
 from particlecli.sinks.base import Image
 
 _QUEUED_PICTURES = 4
+_NICENESS = 15
 _LAST_WORDS = 600  # characters of ffmpeg's messages that an error repeats
 
 
@@ -51,10 +54,17 @@ class Encoder:
         except (OSError, RuntimeError) as error:
             self._messages.close()
             raise OutputError(f"cannot start the video encoder: {error}") from error
+        self._yield()
         self._queue: Queue[Image | None] = Queue(_QUEUED_PICTURES)
         self._failed = threading.Event()
         self._feeder = threading.Thread(target=self._feed, name="encoder", daemon=True)
         self._feeder.start()
+
+    def _yield(self) -> None:
+        """Let the run go first where both want a core: it waits for each of its threads, many times a picture."""
+        if hasattr(os, "setpriority"):
+            with contextlib.suppress(OSError):  # it has ended already, which the first picture will tell
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, _NICENESS)
 
     def write(self, image: Image) -> None:
         """Queues a picture, which must not change afterwards; waits while the encoder is behind.

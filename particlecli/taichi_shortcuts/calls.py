@@ -27,7 +27,7 @@ class Kind(Enum):
     OTHER = auto()
 
 
-def quicken() -> None:
+def take() -> None:
     """Let Taichi call kernels like that, in this process."""
     from taichi.lang import kernel_impl
 
