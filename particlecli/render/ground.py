@@ -17,7 +17,7 @@ from particlecli.render.colour import from_hex
 from particlecli.render.ground_kernels import add_pool, lay_ground
 from particlecli.render.painter import Painter
 from particlecli.render.particles import Particles, room_of
-from particlecli.render.pyramid import Pyramid
+from particlecli.render.pyramid import Pyramid, clear_together
 from particlecli.render.shot import mirror_row
 from particlecli.render.sprites import POOLED, SEEN
 from particlecli.scene.look import Ground
@@ -179,7 +179,7 @@ class GroundPlane:
     """One plane as ground; adds what is seen on it to a picture."""
 
     def __init__(self, facing: Facing, ground: Ground, view: View, seen: Pyramid, pool: Pyramid) -> None:
-        """`seen` and `pool` have the `sizes` for this view; planes may share them."""
+        """`seen` and `pool`, side by side, have the `sizes` for this view; planes may share them."""
         self._step = _step(view.height)
         self._rays = view.rays(self._step).astype(np.float32)
         self._albedo = vec3(*from_hex(ground.color))
@@ -198,8 +198,7 @@ class GroundPlane:
         if not any(particles.count for _, particles in groups):
             return
         seen, pool = self._seen, self._pool
-        seen.clear()
-        pool.clear()
+        clear_together(seen, pool)
         batch = Batch({SEEN: seen, POOLED: pool}, colors, room_of(particles for _, particles in groups))
         for painter, particles in groups:
             painter.reflect(particles, batch, self._mirror, 1 / self._step, POOL_HALO)

@@ -32,6 +32,11 @@ def pyramids_of(sizes: Sequence[tuple[int, int]]) -> list[Pyramid]:
     return [Pyramid(levels, arena, first) for levels, first in zip(geometries, halos, strict=False)]
 
 
+def clear_together(first: Pyramid, last: Pyramid) -> None:
+    """Take all light away from pyramids that lie side by side."""
+    clear(first.arena.light, first.levels[0].offset, last.levels[-1].end)
+
+
 class Pyramid:
     """Linear light on all levels of a picture.
 
