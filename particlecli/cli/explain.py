@@ -96,6 +96,10 @@ def _group(plan: Plan, group: GroupPlan) -> dict[str, Any]:
         "flows": list(group.flows),
         "planes": [plane.on_hit for plane in group.planes],
         "cooling": group.cooling is not None,
+        "pins": [
+            {"where": pin.where.source, "frame": pin.frame, "path": pin.path and [each.source for each in pin.path]}
+            for pin in group.pins
+        ],
         "children": [
             {"on": brood.rule.on, "emitter": brood.child, "count": brood.rule.count, "rate": brood.rule.rate}
             for brood in plan.broods
@@ -158,6 +162,9 @@ def _group_text(group: dict[str, Any]) -> list[str]:
         lines.append("    planes " + ", ".join(group["planes"]))
     if group["cooling"]:
         lines.append("    cools")
+    for pin in group["pins"]:
+        path = f"goes along {', '.join(pin['path'])}" if pin["path"] else "stays"
+        lines.append(f"    pinned where {pin['where']}, {path} in {pin['frame'] or 'the world'}")
     for rule in group["children"]:
         number = f"{rule['count']:,} at each {rule['on']}" if rule["count"] else f"{rule['rate']:g} a second"
         lines.append(f"    bears {rule['emitter']}, {number}")

@@ -44,6 +44,23 @@ def test_children_couplings_and_fixed_groups_are_told(cli: Cli, tmp_path: Path) 
     assert [group["name"] for group in facts["groups"]] == ["stars", "shells", "sparks"]
 
 
+def test_pins_are_told(cli: Cli, tmp_path: Path) -> None:
+    (tmp_path / "rope.yaml").write_text(
+        "duration: 1\n"
+        "frames: {hand: {translate: [0, t, 0]}}\n"
+        "particles:\n"
+        "  rope:\n"
+        "    layout: {type: line, start: [0, 0, 0], end: [1, 0, 0], count: 9}\n"
+        "    pins: [{where: s == 0, frame: hand}, {where: s == 1, path: [1 + t, '0', '0']}]\n"
+        "forces: [{type: springs, stiffness: 9}]\n"
+    )
+    text = cli("explain", "rope.yaml").stdout
+    assert "pinned where s == 0, stays in hand" in text
+    assert "pinned where s == 1, goes along 1 + t, 0, 0 in the world" in text
+    (rope,) = json.loads(cli("explain", "rope.yaml", "--json").stdout)["groups"]
+    assert rope["pins"][0] == {"where": "s == 0", "frame": "hand", "path": None}
+
+
 def test_what_nothing_uses_is_not_built(cli: Cli, scene: Path) -> None:
     before = json.loads(cli("explain", "balls.yaml", "--json").stdout)
     scene.write_text(scene.read_text() + "flows: {wind: [{type: uniform, velocity: [1, 0, 0]}]}\n")
