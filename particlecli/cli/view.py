@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from particlecli.cli.console import message
 from particlecli.cli.inspect import RecordingFile
 from particlecli.errors import UsageError
 
@@ -20,9 +21,12 @@ def command(
     """Open a recording in the Rerun viewer; returns when the viewer is closed."""
     from particlecli.sinks.recording.container import examine
 
-    examine(file)
+    cut = "" if examine(file).finished else f"{file} is cut short"
     if not web and _screenless():
-        raise UsageError("there is no screen to show the viewer on; --web shows it in a browser")
+        also = f"{cut}, and " if cut else ""
+        raise UsageError(f"{also}there is no screen to show the viewer on; --web shows it in a browser")
+    if cut:
+        message(f"{cut}; the viewer shows what is there")
     command = [sys.executable, "-m", "rerun", *(["--web-viewer"] if web else []), str(file)]
     code = subprocess.run(command, check=False).returncode
     if code:

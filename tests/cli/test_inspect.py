@@ -121,6 +121,20 @@ def test_viewer_needs_a_screen(cli: Cli, recordings: Path, monkeypatch: pytest.M
         assert (result.returncode, "--web" in result.stderr) == (2, True)
 
 
+def test_viewer_tells_of_a_recording_that_is_cut_short(
+    cli: Cli, recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "half.rrd"
+    path.write_bytes((recordings / "balls.rrd").read_bytes()[:-1000])
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    if sys.platform.startswith("linux"):
+        result = cli("view", path)
+        assert result.returncode == 2
+        assert result.stderr.startswith(f"{path} is cut short, and there is no screen")
+        assert result.stderr.count("\n") == 1
+
+
 def test_rerun_is_not_imported_until_it_is_needed() -> None:
     modules = imported_by("import particlecli.run, particlecli.cli.app")
     assert not modules & {"rerun", "pyarrow"}

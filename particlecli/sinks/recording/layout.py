@@ -38,3 +38,8 @@ FILE_CONTENT = "content"
 ABOUT_TITLE = "title"
 ABOUT_VERSION = "version"
 ABOUT_GROUPS = "groups"
+
+
+def sums_of(column: str) -> str:
+    """The column beside one of rows that holds the CRC-32 of each row's bytes, as Rerun keeps no checksums."""
+    return f"{column}.crc32"

@@ -11,13 +11,14 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
+from zlib import crc32
 
 os.environ.setdefault("RUST_LOG", "off")  # what goes wrong is told in this package's words
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from rerun.chunk import Chunk, RrdReader
+from rerun.chunk import RrdReader
 
 from particlecli.errors import UsageError
 from particlecli.sinks.pending import PARTIAL
@@ -150,8 +151,9 @@ class Recording:
         self.report = _first(blocks.get(f"/{layout.REPORT}", []), layout.TEXT)
 
     def _rows(self, entity: str, column: str) -> Iterator[Row]:
-        for chunk in self._store.stream().filter(content=entity, components=column):
-            yield from _rows(chunk, column)
+        columns = [column, layout.sums_of(column)]
+        for chunk in self._store.stream().filter(content=entity, components=columns):
+            yield from _rows(chunk.to_record_batch(), column)
 
     def _palette(self, entity: str) -> NDArray[np.uint32]:
         """The colours of a group, 0xRRGGBBAA."""
@@ -203,8 +205,8 @@ class _Held:
         return self._values
 
 
-def _rows(chunk: Chunk, column: str) -> Iterator[Row]:
-    batch = chunk.to_record_batch()
+def _rows(batch: pa.RecordBatch, column: str) -> Iterator[Row]:
+    """The rows of a column; those whose bytes are not what was written are damage (ValueError)."""
     frames, times = _index(batch)
     lists = batch.column(column)
     offsets = lists.offsets.to_numpy()
@@ -214,8 +216,12 @@ def _rows(chunk: Chunk, column: str) -> Iterator[Row]:
         width = values.type.list_size
         values = values.values
     flat = values.to_numpy(zero_copy_only=False)
+    name = layout.sums_of(column)
+    sums = batch.column(name).values.to_numpy() if name in batch.schema.names else None
     for place, frame in enumerate(frames):
         part = flat[offsets[place] * width : offsets[place + 1] * width]
+        if sums is not None and crc32(part) != sums[place]:
+            raise ValueError(f"frame {frame} is not what was written")
         yield int(frame), float(times[place]), part.reshape(-1, width) if width > 1 else part
 
 
@@ -225,9 +231,8 @@ def _index(batch: pa.RecordBatch) -> tuple[NDArray[np.int64], NDArray[np.float64
 
 
 def _series(batches: list[pa.RecordBatch]) -> Series:
-    frames, times = zip(*map(_index, batches), strict=True)
-    values = [batch.column(layout.SCALARS).values.to_numpy() for batch in batches]
-    return Series(np.concatenate(frames), np.concatenate(times), np.concatenate(values))
+    frames, times, values = zip(*(row for batch in batches for row in _rows(batch, layout.SCALARS)), strict=True)
+    return Series(np.array(frames), np.array(times), np.concatenate(values))
 
 
 def _first(batches: list[pa.RecordBatch], column: str) -> Any:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 os.environ.setdefault("RUST_LOG", "off")  # what goes wrong is told in this package's words
 
@@ -139,7 +140,12 @@ class Writer:
             rr.TimeColumn(layout.TIME, duration=times),
         ]
         component = rr.ComponentColumn(descriptor, batch(joined), lengths=[len(each) for each in values])
-        self._stream.send_columns(entity, indexes=indexes, columns=[component])
+        name, sums = (
+            layout.sums_of(column),
+            pa.array([crc32(np.ascontiguousarray(each)) for each in values], pa.uint32()),
+        )
+        checks = rr.ComponentColumn(rr.ComponentDescriptor(name), rr.AnyBatchValue(name, sums))
+        self._stream.send_columns(entity, indexes=indexes, columns=[component, checks])
 
     def _find_room(self) -> None:
         # Rerun's writer thread ends when the disk is full, and whoever waits for it then waits forever.

@@ -46,6 +46,18 @@ def test_one_clear_message(
     assert "\n" not in str(caught.value)
 
 
+def test_a_single_bit_of_a_position_is_missed(record: Record, frames: list[Frame], tmp_path: Path) -> None:
+    """Rerun's own format has no checksums: it reads other numbers, and says nothing."""
+    whole = record("a.rrd", frames).read_bytes()
+    with Recording(tmp_path / "a.rrd") as recording:
+        positions = next(each.positions for each in recording.points("dust") if len(each.positions))
+    place = whole.index(positions[0].tobytes()) + 1
+    path = tmp_path / "b.rrd"
+    path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+    with pytest.raises(UsageError, match="damaged: frame . is not what was written"), Recording(path) as recording:
+        list(recording.points("dust"))
+
+
 def test_missing_file_and_folder(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no such file"):
         Recording(tmp_path / "a.rrd")
