@@ -48,8 +48,7 @@ def page(title: str, entries: Mapping[str, dict[str, Any]], folder: Path) -> str
         folder: where the page will be; files of reports are relative to it.
     """
     album = _Album(folder)
-    failed = sum(entry["status"] == "failed" for entry in entries.values())
-    count = f"{len(entries)} {'run' if len(entries) == 1 else 'runs'}" + (f", {failed} failed" if failed else "")
+    count = f"{len(entries)} {'run' if len(entries) == 1 else 'runs'}" + _failed(entries)
     cards = "\n".join(_card(name, entry, album) for name, entry in entries.items())
     return f"""<!doctype html>
 <html lang="en">
@@ -99,6 +98,13 @@ class _Album:
 
 def _inline(kind: str, content: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _failed(entries: Mapping[str, dict[str, Any]]) -> str:
+    """How many runs failed, with links to them."""
+    names = [name for name, entry in entries.items() if entry["status"] == "failed"]
+    links = ", ".join(f'<a href="#{quote(name)}">{escape(name)}</a>' for name in names)
+    return f', <span class="error">{len(names)} failed:</span> {links}' if names else ""
 
 
 def _card(name: str, entry: dict[str, Any], album: _Album) -> str:

@@ -57,7 +57,7 @@ def test_values_facts_errors_and_links_are_there(folder: Path) -> None:
         "balls,dt=1": entry(values={"integrator.dt": "0.01"}, report=report("a b.mp4", "balls.rrd")),
         "worse": entry(title='<b>"worse"</b>', status="failed", error="x < y & z"),
     }, folder)  # fmt: skip
-    assert "2 runs, 1 failed" in text
+    assert '2 runs, <span class="error">1 failed:</span> <a href="#worse">worse</a>' in text
     assert "<td>integrator.dt</td><td>0.01</td>" in text
     assert "3 born, 1 died, 2 at the end" in text
     assert "0.01 m, 0.3 px (converging)" in text

@@ -142,7 +142,7 @@ class Writer:
         component = rr.ComponentColumn(descriptor, batch(joined), lengths=[len(each) for each in values])
         name, sums = (
             layout.sums_of(column),
-            pa.array([crc32(np.ascontiguousarray(each)) for each in values], pa.uint32()),
+            pa.array([crc32(np.ascontiguousarray(each).data) for each in values], pa.uint32()),
         )
         checks = rr.ComponentColumn(rr.ComponentDescriptor(name), rr.AnyBatchValue(name, sums))
         self._stream.send_columns(entity, indexes=indexes, columns=[component, checks])
