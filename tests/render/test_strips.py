@@ -16,13 +16,14 @@ LINE = {"type": "line", "start": [-1, 0, 0], "end": [1, 0, 0], "count": 5}
 DIFFUSE = {"direction": [0, 0, 1], "sky": "#000000"}
 
 
-def spec(particles: dict[str, Any], style: dict[str, Any]) -> Scene:
+def spec(particles: dict[str, Any], style: dict[str, Any], **parts: Any) -> Scene:
     return Scene.model_validate(
         {
             "duration": 1,
             "particles": {"dust": particles},
             "camera": {**LEVEL, "resolution": [64, 48]},
             "look": {"bloom": 0, "light": DIFFUSE, "groups": {"dust": {"color": "#ffffff", **style}}},
+            **parts,
         }
     )
 
@@ -39,6 +40,24 @@ def test_a_surface_has_no_gaps_and_its_area() -> None:
     inside = image[int(24 - side / 2) + 2 : int(24 + side / 2) - 1, int(32 - side / 2) + 2 : int(32 + side / 2) - 1]
     assert inside.min() > 0.9 * inside.max()
     assert image.sum() / inside.mean() == pytest.approx(side**2, rel=0.04)
+
+
+@pytest.mark.parametrize(
+    ("layout", "style", "places"),
+    [
+        (GRID, {"as": "surface"}, sheet().groups["dust"].positions),
+        ({**LINE, "count": 25}, {"as": "ribbons", "radius": 0.1}, np.linspace([0, 0.8, 0], [0, -0.8, 0], 25)),
+    ],
+)
+def test_a_plane_hides_what_is_below_it(layout: dict[str, Any], style: dict[str, Any], places: Any) -> None:
+    free, cut = (
+        Renderer(spec({"layout": layout}, style, planes=planes)).light(frame(dust=group(places)))
+        for planes in ([], [{"point": [0, -0.2, 0]}])
+    )
+    lit = free[..., 0] > 0.3
+    assert np.abs(cut - free)[:24][lit[:24]].max() < 0.02
+    assert lit[35:].any()
+    assert cut[35:][lit[35:]].max() < 0.1 * free.max()
 
 
 def test_what_is_torn_out_of_a_surface_is_not_drawn() -> None:

@@ -77,6 +77,14 @@ class Strips(Body):
         depth = np.where(depth > NEAREST * self._view.distance, depth, np.nan)
         return pixels.reshape(*places.shape[:-1], 2), depth.reshape(places.shape[:-1])
 
+    def _above(self, places: Doubles, size: Doubles) -> Doubles:
+        """Share of what is `size` long, m, that hiding planes let be seen: all above them, none a length below."""
+        share = np.ones(places.shape[:-1])
+        for plane in self.planes[: self.hiding].astype(np.float64):
+            height = plane[3] + (places - self._view.position) @ plane[:3]
+            share = np.minimum(share, np.clip(1.0 + height / np.maximum(size, 1e-12), 0.0, 1.0))
+        return share
+
     def _unit(self, vectors: Doubles) -> Doubles:
         return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
 
@@ -119,6 +127,9 @@ class Ribbons(Strips):
         heads[:, X : X + 2] = (0.5 * (pixels[:, 1:] + pixels[:, :-1])).reshape(-1, 2)
         heads[:, DEPTH] = middle.ravel()
         rows[:, HALF], rows[:, COVER] = half.ravel(), style.opacity
+        if self.hiding:
+            middles, length = 0.5 * (places[:, 1:] + places[:, :-1]), np.linalg.norm(np.diff(places, axis=1), axis=-1)
+            rows[:, COVER] *= self._above(middles, length).ravel()
         rows[:, END_X : END_X + 2] = along
         heads[:, EXTENT] = np.where(seen, np.linalg.norm(along, axis=1) + half.ravel() + 1.0, 0.0)
         rows[:, FROM_RED : FROM_RED + 3] = light[:, :-1].reshape(-1, 3)
@@ -167,11 +178,15 @@ class Surface(Strips):
         )
         areas = [_area(*(pixels[corner] for corner in three)) for three in corners]
         for three, edges in zip(corners, _outlines(*areas), strict=True):
-            self._put_triangles([(pixels[c], depth[c], light[c]) for c in three], edges, records)
+            rows = self._put_triangles([(pixels[c], depth[c], light[c]) for c in three], edges, records)
+            if self.hiding:
+                middles = np.mean([places[c] for c in three], axis=0)
+                sizes = np.linalg.norm(places[three[0]] - middles, axis=-1)
+                rows[:, OPACITY] *= self._above(middles, sizes).ravel()
 
     def _put_triangles(
         self, corners: list[tuple[Doubles, Doubles, Doubles]], edges: NDArray[np.int64], records: Records
-    ) -> None:  # fmt: skip
+    ) -> Floats:  # fmt: skip
         middle = np.mean([pixels for pixels, _, _ in corners], axis=0)
         depth = np.mean([each for _, each, _ in corners], axis=0).ravel()
         heads, rows = records.add(depth.size, self.place)
@@ -183,6 +198,7 @@ class Surface(Strips):
         for k in range(3):
             rows[:, CORNERS + 3 * k : CORNERS + 3 * k + 3] = corners[k][2].reshape(-1, 3)
         rows[:, EDGES], rows[:, OPACITY] = edges.ravel(), self.subject.style.opacity
+        return rows
 
     def _lit(self, places: Doubles, colors: Doubles) -> Doubles:
         light = self.subject.light
