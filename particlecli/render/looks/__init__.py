@@ -6,8 +6,9 @@ from particlecli.render.looks.blobs import Blobs
 from particlecli.render.looks.body import Body
 from particlecli.render.looks.dots import Dots
 from particlecli.render.looks.glow import Glow
+from particlecli.render.looks.ribbons import Ribbons
 from particlecli.render.looks.streaks import Streaks
-from particlecli.render.looks.strips import Ribbons, Surface
+from particlecli.render.looks.surface import Surface
 from particlecli.scene.look import Luminous, Merging, Solid
 
 LOOKS: dict[Luminous, Look] = {"dots": Dots(), "glow": Glow(), "streaks": Streaks()}
