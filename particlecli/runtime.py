@@ -59,8 +59,10 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
             cfg_optimization=False,
             advanced_optimization=False,
             offline_cache=True,
-            cpu_block_dim_adaptive=False,  # it takes 512 turns at least, whatever a loop asks for
-            default_cpu_block_dim=512,
+            # Else a thread takes 512 turns of a loop at least, whatever the loop asks for.
+            make_cpu_multithreading_loop=False,
+            cpu_block_dim_adaptive=False,
+            default_cpu_block_dim=64,
         )
         # The pool of threads exists by now and takes no more of them than it has.
         ti.lang.impl.get_runtime().prog.config().cpu_max_num_threads = max(settings[1], COMPILED_FOR)

@@ -132,6 +132,7 @@ class Flights(Probe):
         out: ti.types.ndarray(dtype=ti.f64, ndim=3),
         tried: ti.types.ndarray(dtype=ti.f64, ndim=1),
     ):
+        ti.loop_config(block_dim=1)
         for i in range(states.shape[1]):
             p = self._loaded()
             inverse_mass = ti.cast(inverse_masses[i], self.real)

@@ -11,7 +11,7 @@ from particlecli.render.arena import PACK
 from particlecli.render.arrays import Image, Integers, IntegerTable, Rows, vec4
 from particlecli.render.layout import CLEARANCE, MARGIN
 from particlecli.render.spread import halo_share, refined
-from particlecli.render.tasks import GRAIN, LANES
+from particlecli.render.tasks import WORKERS
 from particlecli.render.tone import BLEED, FRACTION, HIGHEST, LOWEST, MANTISSA
 
 SMALLEST, LARGEST = 2.0**LOWEST, 2.0**HIGHEST * (1 - 2.0**-20)
@@ -135,17 +135,16 @@ def develop(
         image: shape (height, words): the bytes red, green, blue, red, …, whole packs of pixels.
     """
     counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            worker = lane // GRAIN
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        y = ti.atomic_add(counter[0], 1) - MARGIN
+        while y < height + MARGIN + CLEARANCE:
+            if (y >= 0) & (y < height):
+                _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, exposure)
+                _tone_row(y, worker, rows, places, width, sky, soil, cover, seen_sky, grounded, bodied)
+                _encode_row(y, worker, places, width, encoding, noise, image)
+            _clear_row(y, light, origin, pitch)
             y = ti.atomic_add(counter[0], 1) - MARGIN
-            while y < height + MARGIN + CLEARANCE:
-                if (y >= 0) & (y < height):
-                    _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, exposure)
-                    _tone_row(y, worker, rows, places, width, sky, soil, cover, seen_sky, grounded, bodied)
-                    _encode_row(y, worker, places, width, encoding, noise, image)
-                _clear_row(y, light, origin, pitch)
-                y = ti.atomic_add(counter[0], 1) - MARGIN
 
 
 @ti.kernel
@@ -156,15 +155,14 @@ def expose(
 ):  # fmt: skip
     """Linear light of a collapsed pyramid, shape (height, width, 3), as `develop` sees it; level 0 is emptied too."""
     counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            worker = lane // GRAIN
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        y = ti.atomic_add(counter[0], 1) - MARGIN
+        while y < height + MARGIN + CLEARANCE:
+            if (y >= 0) & (y < height):
+                _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, 1.0)
+                for x in range(width):
+                    for k in ti.static(range(3)):
+                        image[y, x, k] = rows[worker, x][k]
+            _clear_row(y, light, origin, pitch)
             y = ti.atomic_add(counter[0], 1) - MARGIN
-            while y < height + MARGIN + CLEARANCE:
-                if (y >= 0) & (y < height):
-                    _light_row(y, worker, light, rows, origin, pitch, coarse, coarse_pitch, width, kept, 1.0)
-                    for x in range(width):
-                        for k in ti.static(range(3)):
-                            image[y, x, k] = rows[worker, x][k]
-                _clear_row(y, light, origin, pitch)
-                y = ti.atomic_add(counter[0], 1) - MARGIN

@@ -15,7 +15,6 @@ from particlecli.render.binning import begin, clear_counts
 from particlecli.render.layout import BAND, MARGIN
 from particlecli.render.records import COLORS, END, FIRST, HALO
 from particlecli.render.sprites import ENERGY, PACK, RADIUS, TINT, X, Y
-from particlecli.render.tasks import GRAIN, LANES
 
 FILTER = 1.5
 """Reach of the filter, pixels."""
@@ -124,7 +123,7 @@ def _draw_record(
 @ti.kernel
 def sort_discs(
     chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
-    pitch: ti.i32, bands: ti.i32, counter: Integers, placing: ti.i32,
+    pitch: ti.i32, bands: ti.i32, total: Integers, placing: ti.i32,
 ):  # fmt: skip
     """Count the records that discs make, or, once that is done, put them in their places.
 
@@ -133,43 +132,35 @@ def sort_discs(
         which: their set.
         sprites, records, counts: see `Store`.
         pitch, bands: nodes in a row, and bands, of the finest level.
-        counter: shape (2,); the second number becomes how many records there are.
+        total: shape (1,), becomes how many records there are.
         placing: whether to place them, for which there must be room.
     """
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks.shape[0]:
-                first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
-                if not placing:
-                    clear_counts(chunk, bands, counts)
-                _sort(chunk * bands, first, end, which, sprites, counts, records, pitch, bands, placing)
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range(chunks.shape[0]):
+        first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
+        if not placing:
+            clear_counts(chunk, bands, counts)
+        _sort(chunk * bands, first, end, which, sprites, counts, records, pitch, bands, placing)
     ti.loop_config(serialize=True)
     for _ in range(1):
         if not placing:
-            counter[1] = begin(chunks.shape[0], bands, counts)
+            total[0] = begin(chunks.shape[0], bands, counts)
 
 
 @ti.kernel
 def splat_discs(
     chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
-    pitch: ti.i32, bands: ti.i32, light: ti.template(), start: ti.i32, colors: Rows, counter: Integers,
+    pitch: ti.i32, bands: ti.i32, light: ti.template(), start: ti.i32, colors: Rows,
 ):  # fmt: skip
     """Add sorted discs to light, from node `start` on; `colors` has the tables of all tints."""
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            band = ti.atomic_add(counter[0], 1)
-            while band < bands:
-                first = counts[chunks.shape[0] * bands + band]
-                for chunk in range(chunks.shape[0]):
-                    end = counts[chunk * bands + band]
-                    tints, halo = ti.cast(chunks[chunk, COLORS], ti.i32), chunks[chunk, HALO]
-                    for o in range(first, end):
-                        _draw_record(
-                            records[o], light, start, pitch, band * BAND, which, sprites, tints, halo, colors
-                        )  # fmt: skip
-                    first = end
-                band = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for band in range(bands):
+        first = counts[chunks.shape[0] * bands + band]
+        for chunk in range(chunks.shape[0]):
+            end = counts[chunk * bands + band]
+            tints, halo = ti.cast(chunks[chunk, COLORS], ti.i32), chunks[chunk, HALO]
+            for o in range(first, end):
+                _draw_record(
+                    records[o], light, start, pitch, band * BAND, which, sprites, tints, halo, colors
+                )  # fmt: skip
+            first = end

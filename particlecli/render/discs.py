@@ -24,18 +24,18 @@ def draw_discs(store: Store, which: int, spans: Sequence[Span], pyramid: Pyramid
         pyramid: takes the light.
         colors: shape (places, 4), tables of all tints.
     """
-    counter = np.zeros(2, np.int32)
+    total = np.zeros(1, np.int32)
     finest = pyramid.levels[0]
     bands = finest.rows // BAND
     sorting = (store.sprites, store.records, store.counts, finest.pitch, bands)
 
     def draw(chunks: Chunks) -> int:
         for placing in (False, True):
-            sort_discs(chunks, which, *sorting, counter, placing)
-            needed = int(counter[1])
+            sort_discs(chunks, which, *sorting, total, placing)
+            needed = int(total[0])
             if needed > store.room:
                 return needed
-        splat_discs(chunks, which, *sorting, pyramid.arena.light, finest.offset, colors, counter)
+        splat_discs(chunks, which, *sorting, pyramid.arena.light, finest.offset, colors)
         return needed
 
     draw_in_parts(spans, store, bands, draw)

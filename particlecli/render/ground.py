@@ -207,7 +207,7 @@ class GroundPlane:
         pool.collapse(onto=0)
         level, grid, picture = seen.levels[0], pool.levels[0], light.levels[0]
         add_pool(
-            light.arena.light, self._counter, level.origin, level.pitch, level.width, level.height,
+            light.arena.light, level.origin, level.pitch, level.width, level.height,
             grid.origin, grid.pitch, float(CELLS), self._mirror, self._albedo, self._rays,
         )  # fmt: skip
         lay_ground(

@@ -44,7 +44,6 @@ class Painter:
         self.tint = tint
         self._colors = colors
         self.fades = style.fade_in > 0 or style.fade_out > 0
-        self._counter = np.zeros(1, np.int32)
         self._style, self._interval, self._largest = style, interval, largest
 
     def aim(self, view: View) -> None:
@@ -73,8 +72,8 @@ class Painter:
         for first, count in particles.batches(smeared=look.smeared):
             place = batch.take(count)
             project(
-                first, count, *particles.arrays, self._shot(particles), planes, self._counter, batch.store.sprites,
-                place, *self._source(particles), *self._smear(particles), hiding, count <= CHUNK,
+                first, count, *particles.arrays, self._shot(particles), planes, batch.store.sprites, place,
+                *self._source(particles), *self._smear(particles), hiding, count <= CHUNK,
             )  # fmt: skip
             if bodies:
                 bodies.hide(batch.store, place, first, count, particles, self._view)
@@ -96,7 +95,7 @@ class Painter:
         for first, count in particles.batches(smeared=self.look.smeared):
             place = batch.take(count)
             reflect(
-                first, count, *particles.arrays, particles.ids, shot, self._counter, batch.store.sprites,
+                first, count, *particles.arrays, particles.ids, shot, batch.store.sprites,
                 *one_in, resolution, place, *self._source(particles), *self._smear(particles), count <= CHUNK,
             )  # fmt: skip
             batch.add(SEEN, Span(place, place + count, self._colors, self.look.halo, self.look.smeared))

@@ -12,11 +12,11 @@ import math
 
 import taichi as ti
 
-from particlecli.render.arrays import Integers, Row, Rows, vec3
+from particlecli.render.arrays import Row, Rows, vec3
 from particlecli.render.particles import GIVEN, LIFE_SHARE, SPEED
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.sprites import ENERGY, PACK, RADIUS, SEEN, TAIL_X, TAIL_Y, TINT, X, Y
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK
 
 _SINGLE = ti.types.vector(PACK, ti.f32)
 
@@ -168,7 +168,7 @@ def put_tail(sprites: ti.template(), which, k, tail):
 @ti.kernel
 def project(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
-    shot: Row, planes: Rows, counter: Integers, sprites: ti.template(),
+    shot: Row, planes: Rows, sprites: ti.template(),
     at: ti.i32, source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32, occluders: ti.i32, alone: ti.template(),
 ):  # fmt: skip
     """Sprites of `count` particles from the `first` on, as the camera sees them; `shot` has its lens and their paint.
@@ -178,34 +178,31 @@ def project(
     Energy is π radius² × radiance. Particles behind one of the `occluders` planes (normal, height of the
     camera above it) are hidden. Idle lanes of the last pack repeat the last particle.
     """
-    counter[0] = 0
     if ti.static(alone):
         ti.loop_config(serialize=True)
-    for lane in range(ti.static(1 if alone else LANES)):
-        if lane % GRAIN == 0:
-            lens, paint = lens_in(shot), paint_in(shot)
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk * CHUNK < count:
-                end = ti.min(count, chunk * CHUNK + CHUNK)
-                for b in range(chunk * CHUNK // PACK, (end + PACK - 1) // PACK):
-                    s = at // PACK + b
-                    i = [_bound(first + ti.min(b * PACK + k, count - 1)) for k in ti.static(range(PACK))]
-                    point = _offset(vector(positions, i), lens.origin)
-                    place, scale, light = on_picture(point, lens)
-                    radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
-                    for p in range(occluders):
-                        height = planes[p, 3] + dot([planes[p, 0], planes[p, 1], planes[p, 2]], point)
-                        light = light * above(height, radius / scale)
-                    light = light * radiance(i, ages, lifetimes, paint, fading)
-                    if smeared:
-                        seconds, share = exposed(i, ages, paint, aged)
-                        light = light * share
-                        start = start_of_path(point, vector(velocities, i), seconds, lens)
-                        sprites[SEEN, TAIL_X, s] = start[0] - place[0]
-                        sprites[SEEN, TAIL_Y, s] = start[1] - place[1]
-                    sprites[SEEN, X, s] = place[0]
-                    sprites[SEEN, Y, s] = place[1]
-                    sprites[SEEN, RADIUS, s] = ti.min(blurred(radius, dot(point, lens.forward), lens), lens.largest)
-                    sprites[SEEN, ENERGY, s] = light * (math.pi * radius * radius)
-                    sprites[SEEN, TINT, s] = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
-                chunk = ti.atomic_add(counter[0], 1)
+    else:
+        ti.loop_config(block_dim=1)
+    for chunk in range((count + CHUNK - 1) // CHUNK):
+        lens, paint = lens_in(shot), paint_in(shot)
+        end = ti.min(count, chunk * CHUNK + CHUNK)
+        for b in range(chunk * CHUNK // PACK, (end + PACK - 1) // PACK):
+            s = at // PACK + b
+            i = [_bound(first + ti.min(b * PACK + k, count - 1)) for k in ti.static(range(PACK))]
+            point = _offset(vector(positions, i), lens.origin)
+            place, scale, light = on_picture(point, lens)
+            radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
+            for p in range(occluders):
+                height = planes[p, 3] + dot([planes[p, 0], planes[p, 1], planes[p, 2]], point)
+                light = light * above(height, radius / scale)
+            light = light * radiance(i, ages, lifetimes, paint, fading)
+            if smeared:
+                seconds, share = exposed(i, ages, paint, aged)
+                light = light * share
+                start = start_of_path(point, vector(velocities, i), seconds, lens)
+                sprites[SEEN, TAIL_X, s] = start[0] - place[0]
+                sprites[SEEN, TAIL_Y, s] = start[1] - place[1]
+            sprites[SEEN, X, s] = place[0]
+            sprites[SEEN, Y, s] = place[1]
+            sprites[SEEN, RADIUS, s] = ti.min(blurred(radius, dot(point, lens.forward), lens), lens.largest)
+            sprites[SEEN, ENERGY, s] = light * (math.pi * radius * radius)
+            sprites[SEEN, TINT, s] = table_place(i, velocities, quantity, ages, lifetimes, paint, source)

@@ -52,7 +52,6 @@ class Pyramid:
         self.arena = arena
         self.table = table_of(self.levels, first)
         self.bins = bins_of(self.levels)
-        self._counter = np.zeros(1, np.int32)
 
     @property
     def largest(self) -> float:
@@ -74,12 +73,12 @@ class Pyramid:
         """
         steps = np.zeros(len(self.levels), np.float32) if stays is None else stays
         buffers = (self.arena.light, self.arena.halo, self.arena.bloom)
-        rest = (self._counter, self.table, steps, share)
+        rest = (self.table, steps, share)
         last = len(self.levels) - 1
         small = next(place for place in range(1, last + 1) if self._is_small(place) or place == last)
         for place in range(small):
             widen(place, *buffers, *rest, place == 0)
-        settle_small(small, last, *buffers, self.table, steps, share)
+        settle_small(small, last, *buffers, *rest)
         for place in range(small - 1, onto - 1, -1):
             gather(place, last, *buffers, *rest, place == 0)
 

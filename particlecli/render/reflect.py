@@ -4,7 +4,7 @@ import math
 
 import taichi as ti
 
-from particlecli.render.arrays import Ids, Integers, Row, Rows, vec2
+from particlecli.render.arrays import Ids, Row, Rows, vec2
 from particlecli.render.project import (
     above,
     blurred,
@@ -20,7 +20,7 @@ from particlecli.render.project import (
 )
 from particlecli.render.shot import MIRROR, lens_in, mirror_in, paint_in
 from particlecli.render.sprites import ENERGY, PACK, POOLED, SEEN
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK
 
 FACING = 0.2
 """Share of the strength that a plane mirrors straight back; at grazing angles it is all of it."""
@@ -84,7 +84,7 @@ def _pooled(k, point, lens, paint, mirror, light, tint, sprites: ti.template()):
 @ti.kernel
 def reflect(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
-    ids: Ids, shot: Row, counter: Integers, sprites: ti.template(),
+    ids: Ids, shot: Row, sprites: ti.template(),
     mirrored_one_in: ti.i32, pooled_one_in: ti.i32, resolution: ti.f32,
     at: ti.i32, source: ti.i32, fading: ti.i32, aged: ti.i32, smeared: ti.i32, alone: ti.template(),
 ):  # fmt: skip
@@ -93,28 +93,25 @@ def reflect(
     Of many particles only one in `…_one_in` is taken, chosen by its id, and stands for the others. `shot` has the
     lens, the paint and the mirror. Sprites come to the places from `at` on of both sets; one thread does it `alone`.
     """
-    counter[0] = 0
     if ti.static(alone):
         ti.loop_config(serialize=True)
-    for lane in range(ti.static(1 if alone else LANES)):
-        if lane % GRAIN == 0:
-            lens, paint, mirror = lens_in(shot), paint_in(shot), mirror_in(shot, MIRROR)
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk * CHUNK < count:
-                for k in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-                    i, s = first + k, at + k
-                    sprites[SEEN, ENERGY, s // PACK][s % PACK] = 0.0
-                    sprites[POOLED, ENERGY, s // PACK][s % PACK] = 0.0
-                    in_mirror, in_pool = ids[i] % mirrored_one_in == 0, ids[i] % pooled_one_in == 0
-                    if in_mirror or in_pool:
-                        point = vector(positions, i) - lens.origin
-                        light = radiance(i, ages, lifetimes, paint, fading)
-                        tint = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
-                        if in_mirror:
-                            _mirrored(
-                                i, s, point, velocities, ages, lens, paint, mirror, light * mirrored_one_in, tint,
-                                resolution, sprites, aged, smeared,
-                            )  # fmt: skip
-                        if in_pool:
-                            _pooled(s, point, lens, paint, mirror, light * pooled_one_in, tint, sprites)
-                chunk = ti.atomic_add(counter[0], 1)
+    else:
+        ti.loop_config(block_dim=1)
+    for chunk in range((count + CHUNK - 1) // CHUNK):
+        lens, paint, mirror = lens_in(shot), paint_in(shot), mirror_in(shot, MIRROR)
+        for k in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
+            i, s = first + k, at + k
+            sprites[SEEN, ENERGY, s // PACK][s % PACK] = 0.0
+            sprites[POOLED, ENERGY, s // PACK][s % PACK] = 0.0
+            in_mirror, in_pool = ids[i] % mirrored_one_in == 0, ids[i] % pooled_one_in == 0
+            if in_mirror or in_pool:
+                point = vector(positions, i) - lens.origin
+                light = radiance(i, ages, lifetimes, paint, fading)
+                tint = table_place(i, velocities, quantity, ages, lifetimes, paint, source)
+                if in_mirror:
+                    _mirrored(
+                        i, s, point, velocities, ages, lens, paint, mirror, light * mirrored_one_in, tint,
+                        resolution, sprites, aged, smeared,
+                    )  # fmt: skip
+                if in_pool:
+                    _pooled(s, point, lens, paint, mirror, light * pooled_one_in, tint, sprites)

@@ -23,21 +23,19 @@ def draw_soft(store: Store, which: int, spans: Sequence[Span], pyramid: Pyramid,
         pyramid: takes the light.
         colors: shape (places, 4), tables of all tints.
     """
-    counter = np.zeros(2, np.int32)
+    total = np.zeros(1, np.int32)
     last = len(pyramid.levels) - 1
+    sorting = (store.records, store.counts, pyramid.table, last)
 
     def draw(chunks: Chunks) -> int:
         for placing in (False, True):
-            sort_soft(
-                chunks, which, store.sprites, store.records, store.counts, pyramid.table, last, counter, placing
-            )  # fmt: skip
-            needed = int(counter[1])
+            sort_soft(chunks, which, store.sprites, *sorting, total, placing)
+            needed = int(total[0])
             if needed > store.room:
                 return needed
         for parity in (0, 1):
-            splat(
-                chunks, store.records, store.counts, pyramid.table, last, pyramid.arena.light, colors, counter, parity
-            )  # fmt: skip
+            tasks = sum((level.bands + 1 - parity) // 2 for level in pyramid.levels)
+            splat(chunks, *sorting, pyramid.arena.light, colors, parity, tasks)
         return needed
 
     draw_in_parts(spans, store, pyramid.bins, draw)

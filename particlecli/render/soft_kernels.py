@@ -12,7 +12,6 @@ from particlecli.render.binning import begin, clear_counts
 from particlecli.render.layout import BANDS, BIN, MARGIN, OFFSET, PITCH
 from particlecli.render.records import COLORS, END, FIRST, HALO, SMEARED
 from particlecli.render.soft_sorting import sort, sort_smeared
-from particlecli.render.tasks import GRAIN, LANES
 
 
 @ti.func
@@ -113,7 +112,7 @@ def _bins(levels: ti.template(), last):
 @ti.kernel
 def sort_soft(
     chunks: Rows, which: ti.i32, sprites: ti.template(), records: ti.template(), counts: ti.template(),
-    levels: IntegerTable, last: ti.i32, counter: Integers, placing: ti.i32,
+    levels: IntegerTable, last: ti.i32, total: Integers, placing: ti.i32,
 ):  # fmt: skip
     """Count the records that sprites make, or, once that is done, put them in their places.
 
@@ -123,51 +122,38 @@ def sort_soft(
         sprites, records, counts: see `Store`.
         levels: see `layout`.
         last: the coarsest level.
-        counter: shape (2,); the second number becomes how many records there are.
+        total: shape (1,), becomes how many records there are.
         placing: whether to place them, for which there must be room.
     """
     bins = _bins(levels, last)
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks.shape[0]:
-                first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
-                if not placing:
-                    clear_counts(chunk, bins, counts)
-                if chunks[chunk, SMEARED] > 0.0:
-                    sort_smeared(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
-                else:
-                    sort(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range(chunks.shape[0]):
+        first, end = ti.cast(chunks[chunk, FIRST], ti.i32), ti.cast(chunks[chunk, END], ti.i32)
+        if not placing:
+            clear_counts(chunk, bins, counts)
+        if chunks[chunk, SMEARED] > 0.0:
+            sort_smeared(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
+        else:
+            sort(chunk * bins, first, end, which, sprites, levels, counts, records, last, placing)
     ti.loop_config(serialize=True)
     for _ in range(1):
         if not placing:
-            counter[1] = begin(chunks.shape[0], bins, counts)
+            total[0] = begin(chunks.shape[0], bins, counts)
 
 
 @ti.kernel
 def splat(
     chunks: Rows, records: ti.template(), counts: ti.template(), levels: IntegerTable, last: ti.i32,
-    light: ti.template(), colors: Rows, counter: Integers, parity: ti.i32,
+    light: ti.template(), colors: Rows, parity: ti.i32, tasks: ti.i32,
 ):  # fmt: skip
     """Add the light of sorted records to a pyramid's, in the bands that are even (parity 0) or odd (1).
 
     Args:
         chunks, records, counts, levels, last: as they were sorted.
         colors: tables of all tints.
-        counter: shape (2,), for work.
+        tasks: how many of such bands all levels have.
     """
     bins = _bins(levels, last)
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        counter[0] = 0
-        counter[1] = 0
-        for level in range(last + 1):
-            counter[1] = counter[1] + (levels[level, BANDS] + 1 - parity) // 2
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            task = ti.atomic_add(counter[0], 1)
-            while task < counter[1]:
-                _splat_task(task, parity, light, levels, bins, chunks, counts, records, colors)
-                task = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for task in range(tasks):
+        _splat_task(task, parity, light, levels, bins, chunks, counts, records, colors)

@@ -2,10 +2,10 @@
 
 import taichi as ti
 
-from particlecli.render.arrays import Integers, IntegerTable, Row, vec4
+from particlecli.render.arrays import IntegerTable, Row, vec4
 from particlecli.render.colour import LUMINANCE
 from particlecli.render.layout import HEIGHT, MARGIN, OFFSET, PITCH, SHIFT, WIDTH
-from particlecli.render.tasks import GRAIN, LANES
+from particlecli.render.tasks import CHUNK
 
 CARRIED = 0.7071
 """Share of a halo's light that goes on to the next level; its brightness then falls as distance^-2.5."""
@@ -162,40 +162,35 @@ def _gather_row(
 @ti.kernel
 def clear(light: ti.template(), first: ti.i32, end: ti.i32):
     """Take all light away from a range of nodes."""
-    for node in range(first, end):
-        light[node] = vec4(0.0)
+    ti.loop_config(block_dim=1)
+    for chunk in range((end - first + CHUNK - 1) // CHUNK):
+        start = first + chunk * CHUNK
+        for node in range(start, ti.min(start + CHUNK, end)):
+            light[node] = vec4(0.0)
 
 
 @ti.kernel
 def widen(
     level: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
-    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
+    levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
 ):  # fmt: skip
     """Spread the halos and the bloom of one level into the next; see `Pyramid.collapse`."""
     rows = levels[level + 1, HEIGHT] + 2 * REACH
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            row = ti.atomic_add(counter[0], 1)
-            while row < rows:
-                _widen_row(row, level, light, halo, bloom, levels, stays, share, finest)
-                row = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for row in range(rows):
+        _widen_row(row, level, light, halo, bloom, levels, stays, share, finest)
 
 
 @ti.kernel
 def gather(
     level: ti.i32, last: ti.i32, light: ti.template(), halo: ti.template(), bloom: ti.template(),
-    counter: Integers, levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
+    levels: IntegerTable, stays: Row, share: ti.f32, finest: ti.template(),
 ):  # fmt: skip
     """Settle one level, once all coarser ones, to the last, are."""
     rows = levels[level, HEIGHT] + 2 * REACH
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            row = ti.atomic_add(counter[0], 1)
-            while row < rows:
-                _gather_row(row, level, last, light, halo, bloom, levels, stays, share, finest)
-                row = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for row in range(rows):
+        _gather_row(row, level, last, light, halo, bloom, levels, stays, share, finest)
 
 
 @ti.kernel

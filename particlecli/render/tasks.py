@@ -1,28 +1,33 @@
 """How kernels share out uneven work.
 
-Taichi cuts a parallel loop on the CPU into as many equal blocks as there are threads, of 512 turns at
-least, whatever `block_dim` says. Bands of a picture are few and uneven, so kernels start `LANES` turns of
-which every 512th is a worker, and workers take tasks from a counter until none is left:
+Threads take the turns of a parallel loop in blocks, whenever they are done with the last one. Where each turn is a task
+of its own, a band of a picture or a chunk of particles, a block is one turn:
+
+    ti.loop_config(block_dim=1)
+    for task in range(tasks):
+        ...
+
+Tasks that need room of their own go to workers, which have it and take them from a counter until none is left:
 
     counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        task = ti.atomic_add(counter[0], 1)
+        while task < tasks:
+            ...
             task = ti.atomic_add(counter[0], 1)
-            while task < tasks:
-                ...
-                task = ti.atomic_add(counter[0], 1)
 
-Which worker takes a task varies from run to run; tasks must not share anything that they write.
+Which thread takes a task varies from run to run; tasks must not share anything that they write.
 """
 
-GRAIN = 512
-"""Fewest turns that Taichi gives to a thread."""
-
 WORKERS = 64
-"""Most threads that share a kernel's work."""
-
-LANES = WORKERS * GRAIN
-"""Turns of a loop of workers."""
+"""Most threads that share the work of a kernel with workers."""
 
 CHUNK = 8192
-"""Particles that make one task."""
+"""Particles, or nodes, that make one task."""
+
+GRAIN = 512
+"""Turns of a loop without that setting that make one block."""
+
+LANES = WORKERS * GRAIN
+"""Turns of a loop of which every GRAINth is a worker."""
