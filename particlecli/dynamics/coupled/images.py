@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS, VECTOR3
 from particlecli.dynamics.coupled.neighbor_rows import REALS, Rows
-from particlecli.dynamics.coupled.sharing import GRAIN, TURNS
 from particlecli.dynamics.memory import FieldMemory
 from particlecli.scene.planes import Plane
 
@@ -123,17 +122,13 @@ class Images:
 
     @ti.kernel
     def _count(self, rows: ti.template(), particles: ti.i32, low: VECTOR3, high: VECTOR3, places: INTEGERS):
-        rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                chunk = ti.atomic_add(rows.counter[0], 1)
-                while chunk < places.shape[0] - 1:
-                    found = 0
-                    for row in range(chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)):
-                        for kind in range(self.maps):
-                            found += ti.select(self._within(rows, row, kind, low, high), 1, 0)
-                    places[chunk + 1] = found
-                    chunk = ti.atomic_add(rows.counter[0], 1)
+        ti.loop_config(block_dim=1)
+        for chunk in range(places.shape[0] - 1):
+            found = 0
+            for row in range(chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)):
+                for kind in range(self.maps):
+                    found += ti.select(self._within(rows, row, kind, low, high), 1, 0)
+            places[chunk + 1] = found
 
     @ti.kernel
     def _fill(
@@ -146,21 +141,17 @@ class Images:
         sources: INTEGERS,
         kinds: INTEGERS,
     ):
-        rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                chunk = ti.atomic_add(rows.counter[0], 1)
-                while chunk < places.shape[0] - 1:
-                    n = places[chunk]
-                    # Where a chunk has no image there is nothing to look for.
-                    if places[chunk + 1] > n:
-                        for row in range(chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)):
-                            for kind in range(self.maps):
-                                if self._within(rows, row, kind, low, high):
-                                    sources[n] = row
-                                    kinds[n] = kind
-                                    n += 1
-                    chunk = ti.atomic_add(rows.counter[0], 1)
+        ti.loop_config(block_dim=1)
+        for chunk in range(places.shape[0] - 1):
+            n = places[chunk]
+            # Where a chunk has no image there is nothing to look for.
+            if places[chunk + 1] > n:
+                for row in range(chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)):
+                    for kind in range(self.maps):
+                        if self._within(rows, row, kind, low, high):
+                            sources[n] = row
+                            kinds[n] = kind
+                            n += 1
 
     @ti.kernel
     def positions(self, rows: ti.template(), sources: INTEGERS, kinds: INTEGERS, positions: REALS):

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.step import Step
 from particlecli.dynamics.group_plan import LANES
 
@@ -20,7 +20,6 @@ class StageKernels:
         self.points = step.points
         self.ending = step.ending
         self.real = step.real
-        self.counter = ti.field(ti.i32, shape=1)
         self.errors = ti.field(step.real, shape=self.points.capacity)
 
     @ti.kernel
@@ -52,15 +51,10 @@ class StageKernels:
         """Evaluation i of a step from `now`, s after `start`, and what goes with it; each for so many packs."""
         for b in range(beginning):
             self.step.begin(b, ti.cast(start, self.real), ti.cast(now, self.real), ti.cast(length, self.real))
-        self.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                t = ti.cast(start + now, self.real) + self.step.times[i] * ti.cast(length, self.real)
-                first = ti.atomic_add(self.counter[0], SHARE)
-                while first < evaluating:
-                    for b in range(first, ti.min(first + SHARE, evaluating)):
-                        self.step.evaluate(i, b, t)
-                    first = ti.atomic_add(self.counter[0], SHARE)
+        ti.loop_config(block_dim=SHARE)
+        for b in range(evaluating):
+            t = ti.cast(start + now, self.real) + self.step.times[i] * ti.cast(length, self.real)
+            self.step.evaluate(i, b, t)
         for b in range(following):
             self.step.follow(i, b, ti.cast(start + now, self.real), ti.cast(length, self.real))
         for b in range(ending):

@@ -12,7 +12,7 @@ from particlecli.dynamics.coupled.neighbor_grid import INTEGERS, VECTOR3
 from particlecli.dynamics.coupled.neighbors import Neighbors, Periodic
 from particlecli.dynamics.coupled.pairs import over_neighbors, target
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE, WORKERS
 from particlecli.dynamics.group_plan import LANES
 
 
@@ -110,34 +110,34 @@ class LocalTerm(CoupledTerm[Spec]):
     @ti.kernel
     def _sum_forces(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
         rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
+        ti.loop_config(block_dim=1)
+        for worker in range(WORKERS):
+            first = ti.atomic_add(rows.counter[0], SHARE)
+            while first < lengths.shape[0]:
+                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
+                    lists = ti.static((count, capacity, lengths, entries))
+                    here = target(rows, b, count)
+                    f = over_neighbors(self.force, self.loaded(), rows, lists, b, here, worker)
+                    for k in ti.static(range(rows.width)):
+                        if b * rows.width + k < count:
+                            slot = rows.order[b * rows.width + k]
+                            for c in ti.static(range(3)):
+                                self.accelerations[c, slot // LANES][slot % LANES] = f[c][k] / here[3][k]
                 first = ti.atomic_add(rows.counter[0], SHARE)
-                while first < lengths.shape[0]:
-                    for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                        lists = ti.static((count, capacity, lengths, entries))
-                        here = target(rows, b, count)
-                        f = over_neighbors(self.force, self.loaded(), rows, lists, b, here, turn // GRAIN)
-                        for k in ti.static(range(rows.width)):
-                            if b * rows.width + k < count:
-                                slot = rows.order[b * rows.width + k]
-                                for c in ti.static(range(3)):
-                                    self.accelerations[c, slot // LANES][slot % LANES] = f[c][k] / here[3][k]
-                    first = ti.atomic_add(rows.counter[0], SHARE)
 
     @ti.kernel
     def _sum_energies(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
         rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
+        ti.loop_config(block_dim=1)
+        for worker in range(WORKERS):
+            first = ti.atomic_add(rows.counter[0], SHARE)
+            while first < lengths.shape[0]:
+                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
+                    lists = ti.static((count, capacity, lengths, entries))
+                    here = target(rows, b, count)
+                    total = over_neighbors(self.energy, self.loaded(), rows, lists, b, here, worker)
+                    for k in ti.static(range(rows.width)):
+                        if b * rows.width + k < count:
+                            slot = rows.order[b * rows.width + k]
+                            self.energies[slot // LANES][slot % LANES] = 0.5 * total[0][k]
                 first = ti.atomic_add(rows.counter[0], SHARE)
-                while first < lengths.shape[0]:
-                    for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                        lists = ti.static((count, capacity, lengths, entries))
-                        here = target(rows, b, count)
-                        total = over_neighbors(self.energy, self.loaded(), rows, lists, b, here, turn // GRAIN)
-                        for k in ti.static(range(rows.width)):
-                            if b * rows.width + k < count:
-                                slot = rows.order[b * rows.width + k]
-                                self.energies[slot // LANES][slot % LANES] = 0.5 * total[0][k]
-                    first = ti.atomic_add(rows.counter[0], SHARE)

@@ -4,7 +4,7 @@ import taichi as ti
 
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import GRAIN, TURNS
+from particlecli.dynamics.coupled.sharing import WORKERS
 from particlecli.dynamics.group_plan import LANES
 
 REALS = ti.types.ndarray(dtype=ti.f64, ndim=2)
@@ -35,7 +35,7 @@ class Rows:
         self.width = 4 if points.real == ti.f64 else 8
         row = ti.types.vector(4, points.real)
         self.counter = ti.field(ti.i32, shape=1)
-        self.sums = ti.field(ti.types.vector(self.width, points.real), shape=(TURNS // GRAIN, 4))
+        self.sums = ti.field(ti.types.vector(self.width, points.real), shape=(WORKERS, 4))
         self.at = ti.field(row, shape=room)
         self.moving = ti.field(row, shape=room if moves else 1)
         self.order = ti.field(ti.i32, shape=points.capacity * LANES)

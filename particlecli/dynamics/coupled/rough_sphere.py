@@ -8,7 +8,7 @@ import taichi as ti
 from particlecli.dynamics.coupled.local import LocalTerm
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.group_plan import LANES
 from particlecli.scene import forces as scene
 
@@ -103,23 +103,18 @@ class RoughSphere(LocalTerm[scene.SoftSphere]):
 
     @ti.kernel
     def _sum_forces(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
-        rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                first = ti.atomic_add(rows.counter[0], SHARE)
-                while first < lengths.shape[0]:
-                    for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                        for row in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
-                            force = 0.0 * self._position(rows, row)
-                            for other in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
-                                if other != row:
-                                    force += self._between(rows, row, other)
-                            for e in range(b * capacity, b * capacity + lengths[b]):
-                                force += self._between(rows, row, entries[e])
-                            slot = rows.order[row]
-                            for c in ti.static(range(3)):
-                                self.accelerations[c, slot // LANES][slot % LANES] = force[c] / rows.at[row][3]
-                    first = ti.atomic_add(rows.counter[0], SHARE)
+        ti.loop_config(block_dim=SHARE)
+        for b in range(lengths.shape[0]):
+            for row in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
+                force = 0.0 * self._position(rows, row)
+                for other in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
+                    if other != row:
+                        force += self._between(rows, row, other)
+                for e in range(b * capacity, b * capacity + lengths[b]):
+                    force += self._between(rows, row, entries[e])
+                slot = rows.order[row]
+                for c in ti.static(range(3)):
+                    self.accelerations[c, slot // LANES][slot % LANES] = force[c] / rows.at[row][3]
 
     @ti.func
     def _position(self, rows: ti.template(), row):

@@ -13,7 +13,7 @@ from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
 from particlecli.dynamics.coupled.neighbors import Periodic
 from particlecli.dynamics.coupled.pairs import offset, over_neighbors, target
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE, WORKERS
 from particlecli.dynamics.coupled.smoothing import CubicSpline, Wendland
 from particlecli.dynamics.group_plan import LANES
 from particlecli.scene import forces as scene
@@ -141,18 +141,18 @@ class Sph(LocalTerm[scene.Sph]):
     ):
         """Pressures by densities, into the rows; or, at the beginning, what densities at rest have more than sums."""
         rows.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
+        ti.loop_config(block_dim=1)
+        for worker in range(WORKERS):
+            first = ti.atomic_add(rows.counter[0], SHARE)
+            while first < lengths.shape[0]:
+                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
+                    p = self.loaded()
+                    lists = ti.static((count, capacity, lengths, entries))
+                    here = target(rows, b, count)
+                    total = over_neighbors(self.density, p, rows, lists, b, here, worker)
+                    # A particle is its own neighbour too.
+                    self._press(p, rows, b, count, total[0] + here[3] * p[1], begins)
                 first = ti.atomic_add(rows.counter[0], SHARE)
-                while first < lengths.shape[0]:
-                    for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                        p = self.loaded()
-                        lists = ti.static((count, capacity, lengths, entries))
-                        here = target(rows, b, count)
-                        total = over_neighbors(self.density, p, rows, lists, b, here, turn // GRAIN)
-                        # A particle is its own neighbour too.
-                        self._press(p, rows, b, count, total[0] + here[3] * p[1], begins)
-                    first = ti.atomic_add(rows.counter[0], SHARE)
 
     @ti.func
     def _press(self, p, rows: ti.template(), b, count, sums, begins: ti.template()):

@@ -8,7 +8,7 @@ import taichi as ti
 from particlecli.dynamics.coupled.base import CoupledTerm
 from particlecli.dynamics.coupled.octree import Octree
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import GRAIN, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.group_plan import LANES
 from particlecli.scene import forces as scene
 
@@ -32,7 +32,6 @@ class TreeAttraction(CoupledTerm[scene.Attraction]):
         pack = ti.types.vector(LANES, points.real)
         self.accelerations = ti.field(pack, shape=(3, points.capacity))
         self.potentials = ti.field(pack, shape=points.capacity)
-        self.counter = ti.field(ti.i32, shape=1)
         self.table = points.memory.table(points.real, np.array([spec.strength, spec.softening**2]))
 
     def prepare(self, time: float) -> None:
@@ -59,25 +58,21 @@ class TreeAttraction(CoupledTerm[scene.Attraction]):
 
     @ti.kernel
     def _walk(self, cells: ti.template(), cell_count: ti.i32, count: ti.i32, energy: ti.template()):
-        self.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                width = ti.static(self.tree.width)
-                b = ti.atomic_add(self.counter[0], 1)
-                while b * width < count:
-                    x = [
-                        ti.Vector([self.tree.bodies[ti.min(b * width + k, count - 1)][c] for k in range(width)])
-                        for c in ti.static(range(3))
-                    ]
-                    s = self._summed(cells, cell_count, x, energy)
-                    for k in range(ti.min(width, count - b * width)):
-                        slot = self.tree.order[b * width + k]
-                        if ti.static(energy):
-                            self.potentials[slot // LANES][slot % LANES] = -self.table[0] * s[0][k]
-                        else:
-                            for c in ti.static(range(3)):
-                                self.accelerations[c, slot // LANES][slot % LANES] = self.table[0] * s[c][k]
-                    b = ti.atomic_add(self.counter[0], 1)
+        width = ti.static(self.tree.width)
+        ti.loop_config(block_dim=SHARE)
+        for b in range((count + width - 1) // width):
+            x = [
+                ti.Vector([self.tree.bodies[ti.min(b * width + k, count - 1)][c] for k in range(width)])
+                for c in ti.static(range(3))
+            ]
+            s = self._summed(cells, cell_count, x, energy)
+            for k in range(ti.min(width, count - b * width)):
+                slot = self.tree.order[b * width + k]
+                if ti.static(energy):
+                    self.potentials[slot // LANES][slot % LANES] = -self.table[0] * s[0][k]
+                else:
+                    for c in ti.static(range(3)):
+                        self.accelerations[c, slot // LANES][slot % LANES] = self.table[0] * s[c][k]
 
     @ti.func
     def _summed(self, cells: ti.template(), cell_count, x, energy: ti.template()):
