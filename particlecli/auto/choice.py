@@ -4,29 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-import numpy as np
-
+from particlecli.auto.judge import Judge
 from particlecli.auto.pilot import Flight, Pilot
-from particlecli.auto.steps import Doubles
 from particlecli.auto.terms import ALONE, Terms
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ClosedForm, ImplicitRungeKutta
-from particlecli.render.camera import View, on_picture
 from particlecli.scene.checks import problems
 from particlecli.scene.integrator import ADAPTIVE, Goal, Integrator, Scheme
 from particlecli.scene.model import Scene
 
-REFERENCE, COARSEST = 1e-3, 1e-4
-"""The tolerance of the flight that others are compared with, in parts of the error asked for, m, and the largest."""
-
 MARGIN = 2.0
 """The error of a pilot is to be so many times smaller than what is asked for: it stands for more than it has seen."""
-
-WINDOWS, ENOUGH = 8, 10
-"""Spans that the scene is cut into, of which the worst counts, and errors in one that tell something."""
 
 LOOSEST, TIGHTEST = 1e-2, 1e-12
 """Tolerances of adaptive schemes that are tried."""
@@ -34,10 +25,19 @@ LOOSEST, TIGHTEST = 1e-2, 1e-12
 MOST_SOLVED = 3_000
 """Evaluations in a row that a pilot may take where they belong to equations that are solved, launch by launch."""
 
+BEGUN = 0.4
+"""Of the cost of an adaptive scheme that is accurate enough: that of the steps of others that are tried first."""
+
+CLOSE = 1.15
+"""Steps that are enough are few enough where so many times fewer are not."""
+
 EXPLODED = 1e6
 """An error that is so many times what is asked for means that an explicit scheme has blown up: the motion is stiff."""
 
-MOST_TRIES = 8
+MOST_TRIES = 12
+
+NEGLIGIBLE = 0.005
+"""A share of the flights that is not worth a word."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,14 @@ class Choice:
         chosen: what is known of the choice.
         rejected: the others, in the order in which they were considered.
         unseen: why pilots do not tell, if they do not.
+        unknown: share of the flights of which nothing can be told, as the motion magnifies rounding there.
     """
 
     goal: Goal
     chosen: Tried
     rejected: tuple[Tried, ...] = ()
     unseen: str = ""
+    unknown: float = 0.0
 
     @property
     def holds(self) -> bool:
@@ -97,7 +99,12 @@ class Choice:
             f"auto chose {chosen.scheme}, {chosen.pace}{found}, {goal.size:g} {goal.unit} are allowed",
             *(f"  not {each.scheme}, {each.pace}: {each.why}" for each in self.rejected),
             *([f"  pilots do not tell: {self.unseen}; the run reports its error"] if self.unseen else []),
+            *([_chaos(self.unknown)] if self.unknown > NEGLIGIBLE else []),
         ]
+
+
+def _chaos(share: float) -> str:
+    return f"  {share:.0%} of the flights are chaotic and count only until then: there no step keeps an error"
 
 
 def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = ALONE) -> Choice:
@@ -114,14 +121,14 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = AL
     tried = [search.of(scheme) for scheme in terms.candidates if not problems(_with(scene, scheme))]
     best = search.best or min(tried, key=lambda each: math.inf if each.error is None else each.error)
     rejected = [_outdone(each, best) for each in tried if each is not best]
-    return Choice(search.goal, best, tuple(rejected))
+    return Choice(search.goal, best, tuple(rejected), unknown=search.unknown)
 
 
 def _outdone(tried: Tried, best: Tried) -> Tried:
     """A scheme that would have done, had there not been a cheaper one."""
     if tried.why:
         return tried
-    return Tried(**{**vars(tried), "why": f"costs {tried.cost / best.cost:.2g} times as much"})
+    return replace(tried, why=f"costs {tried.cost / best.cost:.2g} times as much")
 
 
 class _Search:
@@ -132,54 +139,85 @@ class _Search:
         self.goal = scene.integrator.goal
         self.best: Tried | None = None
         self._scene = scene
-        self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
         self._fewest = max(1, math.ceil(1.0 / scene.fps / (scene.integrator.dt or math.inf) * (1.0 - 1e-9)))
         self._pilots = [pilot for pilot in pilots if pilot.moves]
-        tolerance = min(max(REFERENCE * metres(scene), terms.finest[scene.precision]), COARSEST)
-        self._references = [pilot.fly(SCHEMES[terms.judge], tolerance=tolerance).positions for pilot in self._pilots]
+        self._judge = Judge(scene, self._pilots, terms)
+        self.unknown = self._judge.unknown
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
         self._stiff = False
+        self._told = 0.0
 
     def of(self, scheme: Scheme) -> Tried:
         """The longest step, or largest tolerance, with which a scheme is accurate enough, if it can be cheapest."""
         if isinstance(SCHEMES[scheme], ClosedForm) or not self._pilots:
             return self._judged(Tried(scheme, self._fewest, None, 0.0, self._cost(scheme, self._fewest), ""))
-        last: Tried | None = None
+        last = enough = None
         for each in self._adaptive(scheme) if scheme in ADAPTIVE else self._even(scheme):
             last = each
             if not each.why and each.error is not None and each.error <= self.goal.size / MARGIN:
-                return self._judged(each)
+                enough = each
+        if enough is not None:
+            return self._judged(enough)
         assert last is not None
-        return last if last.why else Tried(**{**vars(last), "why": "not accurate enough at any pace that was tried"})
+        return last if last.why else replace(last, why="not accurate enough at any pace that was tried")
 
     def _judged(self, tried: Tried) -> Tried:
+        if tried.scheme in ADAPTIVE:
+            self._told = tried.cost
         if self.best is None or tried.cost < self.best.cost:
             self.best = tried
         return tried
 
     def _even(self, scheme: Scheme) -> Iterator[Tried]:
-        """Ever more steps, by what the order of the scheme foretells."""
-        steps, error, order = self._fewest, None, SCHEMES[scheme].order
-        solves = isinstance(SCHEMES[scheme], ImplicitRungeKutta)
+        """Ever more steps, by what the order of the scheme foretells; once they are enough, fewer again."""
+        steps, error, order = self._begun(scheme), None, SCHEMES[scheme].order
+        too_few, enough = self._fewest - 1, 0
         for _ in range(MOST_TRIES):
             price = self._cost(scheme, steps)
-            if self.best is not None and price >= self.best.cost:
-                yield Tried(scheme, steps, None, error, price, self._dearer(price))
-                return
-            if steps * SCHEMES[scheme].evaluations * self._frames > (MOST_SOLVED if solves else self._terms.most_calls):
-                yield Tried(scheme, steps, None, error, price, f"would need {steps} steps a frame or more")
-                return
-            if solves and self.best is not None and not self._stiff:
-                yield Tried(scheme, steps, None, error, price, "nothing here is stiff")
+            if why := self._hopeless(scheme, steps, price):
+                yield Tried(scheme, steps, None, error, price, why)
                 return
             error = self._error(lambda pilot, n=steps: pilot.fly(SCHEMES[scheme], steps=n))  # type: ignore[misc]
             self._stiff |= not error < EXPLODED * self.goal.size
             yield Tried(scheme, steps, None, error, price, "")
             excess = error * MARGIN / self.goal.size
-            steps = math.ceil(steps * min(max(1.05 * excess ** (1.0 / order), 1.2), 8.0)) if excess < 1e6 else 2 * steps
+            if excess > 1.0:
+                too_few = steps
+            else:
+                enough = steps
+            foretold = steps * 1.05 * excess ** (1.0 / order) if excess < EXPLODED else math.inf
+            if not enough:
+                more = math.ceil(min(max(foretold, 1.2 * steps), (8 if excess < EXPLODED else 2) * steps))
+                most = self._affordable(scheme)
+                steps = int(most) if 1.2 * steps < most < more else more
+            elif enough <= CLOSE * (too_few + 1):
+                return
+            else:
+                steps = math.ceil(min(max(foretold, math.sqrt(max(too_few, 1) * enough)), enough / CLOSE))
+
+    def _begun(self, scheme: Scheme) -> int:
+        """Steps to begin with: where an adaptive scheme has told what it takes, a share of that."""
+        return max(self._fewest, int(BEGUN * self._told / self._cost(scheme, 1)))
+
+    def _affordable(self, scheme: Scheme) -> float:
+        """Steps that cost less than the best so far."""
+        if self.best is None:
+            return math.inf
+        none, each = self._cost(scheme, 0), self._cost(scheme, 1) - self._cost(scheme, 0)
+        return math.ceil((self.best.cost - none) / each) - 1
+
+    def _hopeless(self, scheme: Scheme, steps: int, price: float) -> str:
+        """Why a scheme need not be flown with so many steps, if it need not."""
+        solves, evaluations = isinstance(SCHEMES[scheme], ImplicitRungeKutta), SCHEMES[scheme].evaluations
+        if self.best is not None and price >= self.best.cost:
+            return self._dearer(price)
+        many = steps * evaluations * self._frames > (MOST_SOLVED if solves else self._terms.most_calls)
+        if many or (not solves and steps * evaluations > self._terms.most_of_judge * self._judge.evaluations):
+            return f"would need {steps} steps a frame or more"
+        return "nothing here is stiff" if solves and self.best is not None and not self._stiff else ""
 
     def _adaptive(self, scheme: Scheme) -> Iterator[Tried]:
-        """Ever smaller tolerances, by powers of ten."""
+        """Ever smaller tolerances, until they are small enough."""
         tolerance, error = LOOSEST, None
         price = self._cost(scheme, 1)
         for _ in range(MOST_TRIES):
@@ -187,14 +225,15 @@ class _Search:
                 yield Tried(scheme, None, tolerance, error, price, self._dearer(price))
                 return
             flights = [pilot.fly(SCHEMES[scheme], tolerance=tolerance) for pilot in self._pilots]
-            error = self._error_of(flights)
+            error = self._judge.error(flights)
             evaluations = max(flight.evaluations for flight in flights)
             price = self._cost(scheme, evaluations / SCHEMES[scheme].evaluations)
             dearer = self.best is not None and price >= self.best.cost
             yield Tried(scheme, None, tolerance, error, price, self._dearer(price) if dearer else "")
             excess = error * MARGIN / self.goal.size
-            tolerance /= 10.0 ** max(1, math.floor(math.log10(max(excess, 1.0)))) if math.isfinite(excess) else 10.0
-            if tolerance < TIGHTEST:
+            halves = max(1, math.floor(2.0 * math.log10(max(excess, 1.0)))) if math.isfinite(excess) else 2
+            tolerance = float(f"{tolerance * 10.0 ** (-halves / 2):.1g}")
+            if excess <= 1.0 or tolerance < TIGHTEST:
                 return
 
     def _dearer(self, price: float) -> str:
@@ -205,41 +244,7 @@ class _Search:
         return self._terms.cost(SCHEMES[scheme], steps)
 
     def _error(self, fly: Callable[[Pilot | WholePilot], Flight]) -> float:
-        return self._error_of([fly(pilot) for pilot in self._pilots])
-
-    def _error_of(self, flights: list[Flight]) -> float:
-        """Of 95 in 100 particles of the group that is furthest off, at the worst time, in the unit asked for."""
-        errors = []
-        for pilot, reference, flight in zip(self._pilots, self._references, flights, strict=True):
-            with np.errstate(over="ignore"):
-                lengths = np.linalg.norm(flight.positions - reference, axis=2)
-            lengths = np.where(np.isnan(lengths) & ~np.isnan(reference[:, :, 0]), np.inf, lengths)
-            errors.append(_worst(pilot, self._in_unit(reference, lengths)))
-        return max(errors)
-
-    def _in_unit(self, positions: Doubles, lengths: Doubles) -> Doubles:
-        """Lengths in m, or in pixels; where no particle of a group is seen, as seen from the point looked at."""
-        if self.goal.unit == "m":
-            return lengths
-        finite = np.where(np.isfinite(lengths), lengths, 1e9)
-        seen = on_picture(positions, finite[:, :, None] * self._view.right, self._view)
-        return finite * self._view.focal / self._view.distance if np.isnan(seen).all() else seen
-
-
-def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
-    """The largest 95th percentile over spans of the scene; errors at each frame after birth, shape (frames, n)."""
-    ages = np.arange(1, len(errors) + 1)[:, None]
-    lives = (ages <= pilot.frames) & ~np.isnan(errors)
-    last = max(1.0, float(pilot.frames.max()) + pilot.first_frames.max())
-    windows = np.minimum(((pilot.first_frames + ages) / last * WINDOWS).astype(int), WINDOWS - 1)
-    sizes = [_p95(errors[lives & (windows == window)]) for window in range(WINDOWS)]
-    known = [size for size in sizes if size is not None]
-    worst = max(known) if known else _p95(errors[lives], 1) or 0.0
-    return worst * max(1.0, float(pilot.frames.max()) / pilot.flown)
-
-
-def _p95(values: Doubles, enough: int = ENOUGH) -> float | None:
-    return float(np.quantile(values, 0.95, method="inverted_cdf")) if len(values) >= enough else None
+        return self._judge.error([fly(pilot) for pilot in self._pilots])
 
 
 def integrator_of(scene: Scene, chosen: Tried) -> Integrator:
@@ -257,12 +262,3 @@ def integrator_of(scene: Scene, chosen: Tried) -> Integrator:
 
 def _with(scene: Scene, scheme: Scheme) -> Scene:
     return scene.model_copy(update={"integrator": Integrator(type=scheme, contact=scene.integrator.contact)})
-
-
-def metres(scene: Scene) -> float:
-    """The error asked of `auto`, m; that of pixels as long as it is at the point looked at."""
-    goal = scene.integrator.goal
-    if goal.unit == "m":
-        return goal.size
-    view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
-    return goal.size * view.distance / view.focal

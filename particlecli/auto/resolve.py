@@ -7,7 +7,8 @@ from contextlib import suppress
 from dataclasses import replace
 
 from particlecli import runtime
-from particlecli.auto.choice import Choice, Tried, choose, integrator_of, metres
+from particlecli.auto.choice import Choice, Tried, choose, integrator_of
+from particlecli.auto.judge import metres
 from particlecli.auto.pilot import SAMPLE, Pilot
 from particlecli.auto.terms import ALONE, TOGETHER
 from particlecli.auto.whole import WholePilot, worth_flying

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,16 +20,23 @@ class Terms:
         candidates: schemes that are tried, in this order; the later ones only as far as they may be cheaper than
             those before.
         judge: the scheme of the flight that others are compared with.
-        finest: by the precision of the forces the smallest tolerance, m, of the judge.
+        finest: by the precision of the forces the smallest tolerance, m, that the judge begins with.
+        deepest: likewise the smallest that it may go on to, as below the rounding of forces would set its steps; not
+            below the first where equal steps are to tell how sure it is.
+        refinements: how often it may go on, at most.
         cost: of a particle and frame, by the scheme and its steps in a frame.
         most_calls: evaluations in a row that a pilot may take.
+        most_of_judge: evaluations that equal steps may take, in parts of those of the judge.
     """
 
     candidates: tuple[Scheme, ...]
     judge: Scheme
     finest: dict[Precision, float]
+    deepest: dict[Precision, float]
+    refinements: int
     cost: Callable[[AnyScheme, float], float]
     most_calls: int
+    most_of_judge: float
 
 
 ALONE = Terms(
@@ -45,16 +53,22 @@ ALONE = Terms(
     ),
     judge="dop853",
     finest={"single": 1e-6, "double": 1e-10},
+    deepest={"single": 1e-7, "double": 1e-14},
+    refinements=2,
     cost=cost,
     most_calls=30_000,
+    most_of_judge=math.inf,
 )
 """For particles of which each moves by itself."""
 
 TOGETHER = Terms(
-    candidates=("rk4", "velocity_verlet", "dormand_prince", "implicit_midpoint"),
+    candidates=("dormand_prince", "rk4", "symplectic_euler", "velocity_verlet", "implicit_midpoint"),
     judge="dormand_prince",
     finest={"single": 1e-5, "double": 1e-10},
+    deepest={"single": 1e-5, "double": 1e-14},
+    refinements=1,
     cost=cost_together,
     most_calls=300_000,
+    most_of_judge=3.0,
 )
 """Where particles act on each other: few, since each scheme is compiled for itself."""

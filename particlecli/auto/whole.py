@@ -19,13 +19,14 @@ from particlecli.scene.integrator import Integrator
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
 
-WORK = 2e8
+WORK = 2e9
 """Pairs of particles that the flight which others are compared with may look at, about."""
 
-NEAR, FAR = 30, 1000
-"""How many others act on a particle, at a guess: those near it, and at most, by a tree, all of them."""
+NEAR, FAR = 600, 1000
+"""How many others act on a particle, at a guess: some 30 near it, of which each costs as much as 20 of those that
+attract all others; of these, by a tree, at most."""
 
-FEWEST, CALLS = 8, 50
+FEWEST, CALLS = 4, 50
 """Frames that are worth flying, and evaluations in one, at a guess."""
 
 

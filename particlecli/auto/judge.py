@@ -1,0 +1,141 @@
+"""How far pilots are off: from flights that are accurate enough to tell, as long as these themselves agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from particlecli.auto.pilot import Flight, Pilot
+from particlecli.auto.steps import Doubles
+from particlecli.auto.terms import Terms
+from particlecli.auto.whole import WholePilot
+from particlecli.dynamics.integrators import SCHEMES
+from particlecli.render.camera import View, on_picture
+from particlecli.scene.integrator import UNCHOSEN
+from particlecli.scene.model import Scene
+
+Mask = NDArray[np.bool_]
+
+FIRST, COARSEST = 1e-3, 1e-4
+"""The tolerance of the first reference, in parts of the error asked for, m, and the largest."""
+
+FINER = 1e-2
+"""Of a tolerance: the next one."""
+
+AGREED, KNOWN = 0.1, 0.25
+"""Parts of the error asked for: references so near each other need not be refined, and where the best two are further
+apart than so much nothing can be told of a particle from then on."""
+
+LEAST = 0.02
+"""Share of a pilot's flight that must be known if anything is to be told."""
+
+SECOND = 2.0
+"""Evaluations of the second reference where no smaller tolerance makes one, in parts of the first."""
+
+WINDOWS, ENOUGH = 8, 10
+"""Spans that the scene is cut into, of which the worst counts, and errors in one that tell something."""
+
+
+class Judge:
+    """Measures the flights of the pilots of a scene.
+
+    Args:
+        scene: with `integrator.type: auto`.
+        pilots: of its groups, all of which have something to fly for.
+        terms: on which schemes are compared.
+
+    Attributes:
+        unknown: share of all that was flown of which nothing can be told: there the motion magnifies rounding.
+        evaluations: of the first reference, for each particle and frame.
+    """
+
+    def __init__(self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms) -> None:
+        self._scene, self._pilots, self._terms = scene, pilots, terms
+        self._goal = scene.integrator.goal
+        self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
+        alive = known = 0
+        self.evaluations = 0.0
+        self._blind = False
+        self._references = []
+        for pilot in pilots:
+            positions, unsure = self._best(pilot)
+            flown = int((~np.isnan(positions[:, :, 0])).sum())
+            positions[np.maximum.accumulate(unsure, axis=0)] = np.nan
+            sure = int((~np.isnan(positions[:, :, 0])).sum())
+            self._blind |= sure < LEAST * flown
+            alive, known = alive + flown, known + sure
+            self._references.append(positions)
+        self.unknown = 1.0 - known / alive if alive else 0.0
+
+    def error(self, flights: Sequence[Flight]) -> float:
+        """Of 95 in 100 particles of the group that is furthest off, at the worst time, in the unit asked for."""
+        errors = [np.inf] if self._blind else []
+        for pilot, reference, flight in zip(self._pilots, self._references, flights, strict=True):
+            lengths = _apart(flight.positions, reference)
+            lengths = np.where(np.isnan(lengths) & ~np.isnan(reference[:, :, 0]), np.inf, lengths)
+            errors.append(_worst(pilot, self._in_unit(reference, lengths)))
+        return max(errors)
+
+    def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Mask]:
+        """Positions, and where another flight is too far from them: with a larger tolerance, or with equal steps."""
+        judge, precision = SCHEMES[self._terms.judge], self._scene.precision
+        tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
+        first = pilot.fly(judge, tolerance=tolerance)
+        self.evaluations = max(self.evaluations, first.evaluations)
+        if self._terms.deepest[precision] >= tolerance:
+            steps = math.ceil(SECOND * first.evaluations / SCHEMES[UNCHOSEN].evaluations)
+            other = pilot.fly(SCHEMES[UNCHOSEN], steps=steps).positions
+            return first.positions, self._far_apart(self._in_unit(first.positions, _apart(other, first.positions)))
+        before = first.positions
+        for _ in range(self._terms.refinements):
+            tolerance = max(FINER * tolerance, self._terms.deepest[precision])
+            best = pilot.fly(judge, tolerance=tolerance).positions
+            apart = self._in_unit(best, _apart(before, best))
+            if _worst(pilot, apart) <= AGREED * self._goal.size or tolerance == self._terms.deepest[precision]:
+                break
+            before = best
+        return best, self._far_apart(apart)
+
+    def _far_apart(self, apart: Doubles) -> Mask:
+        return np.asarray(~(apart <= KNOWN * self._goal.size) & ~np.isnan(apart))
+
+    def _in_unit(self, positions: Doubles, lengths: Doubles) -> Doubles:
+        """Lengths in m, or in pixels; where no particle of a group is seen, as seen from the point looked at."""
+        if self._goal.unit == "m":
+            return lengths
+        finite = np.where(np.isfinite(lengths), lengths, np.where(np.isnan(lengths), np.nan, 1e9))
+        seen = on_picture(positions, finite[:, :, None] * self._view.right, self._view)
+        return finite * self._view.focal / self._view.distance if np.isnan(seen).all() else seen
+
+
+def _apart(one: Doubles, other: Doubles) -> Doubles:
+    with np.errstate(over="ignore"):
+        return np.asarray(np.linalg.norm(one - other, axis=2))
+
+
+def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
+    """The largest 95th percentile over spans of the scene; errors at each frame after birth, shape (frames, n)."""
+    ages = np.arange(1, len(errors) + 1)[:, None]
+    lives = (ages <= pilot.frames) & ~np.isnan(errors)
+    last = max(1.0, float(pilot.frames.max()) + pilot.first_frames.max())
+    windows = np.minimum(((pilot.first_frames + ages) / last * WINDOWS).astype(int), WINDOWS - 1)
+    sizes = [_p95(errors[lives & (windows == window)]) for window in range(WINDOWS)]
+    known = [size for size in sizes if size is not None]
+    worst = max(known) if known else _p95(errors[lives], 1) or 0.0
+    return worst * max(1.0, float(pilot.frames.max()) / pilot.flown)
+
+
+def _p95(values: Doubles, enough: int = ENOUGH) -> float | None:
+    return float(np.quantile(values, 0.95, method="inverted_cdf")) if len(values) >= enough else None
+
+
+def metres(scene: Scene) -> float:
+    """The error asked of `auto`, m; that of pixels as long as it is at the point looked at."""
+    goal = scene.integrator.goal
+    if goal.unit == "m":
+        return goal.size
+    view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
+    return goal.size * view.distance / view.focal
