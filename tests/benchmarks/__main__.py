@@ -29,6 +29,7 @@ NAMES = (
     "blobs",
     "campfire",
     "recording",
+    "pleiades",
     "attraction",
     "barnes_hut",
     "lennard_jones",

@@ -60,7 +60,13 @@ def test_dropped_ball_comes_to_rest_at_its_instant():
 
 def order_through_bounces(scheme):
     """Of a body on an oscillator's orbit that hits a wall twice at an angle; its exact way is known."""
-    steps = {1: (400, 800, 1600, 3200), 2: (50, 100, 200, 400), 3: (50, 100, 200, 400), 4: (30, 60, 120, 240)}
+    steps = {
+        1: (400, 800, 1600, 3200),
+        2: (50, 100, 200, 400),
+        3: (50, 100, 200, 400),
+        4: (30, 60, 120, 240),
+        5: (20, 40, 60, 80),
+    }
     from particlecli.dynamics.integrators import SCHEMES
 
     scene = made(
@@ -96,7 +102,23 @@ def oscillator_with_wall(until):
 
 
 @pytest.mark.parametrize(
-    ("scheme", "order"), [("velocity_verlet", 2), ("rk4", 4), *later(("midpoint", 2), ("rk3", 3), ("yoshida4", 4))]
+    ("scheme", "order"),
+    [
+        ("velocity_verlet", 2),
+        ("rk4", 4),
+        *later(
+            ("euler", 1),
+            ("symplectic_euler", 1),
+            ("implicit_euler", 1),
+            ("midpoint", 2),
+            ("implicit_midpoint", 2),
+            ("trapezoidal", 2),
+            ("tr_bdf2", 2),
+            ("rk3", 3),
+            ("yoshida4", 4),
+            ("radau_iia", 5),
+        ),
+    ],
 )
 def test_schemes_keep_their_order_through_bounces(scheme, order):
     assert order_through_bounces(scheme) == pytest.approx(order, abs=0.2)

@@ -55,7 +55,7 @@ def slack():
     return cloth("tr_bdf2", 20, damping=0.02, precision="double")
 
 
-def measured_order(found, counts=(40, 60, 90)):
+def measured_order(found, counts=(40, 60, 90, 120)):
     right = by_scipy(found)
     errors = [np.abs(end(found, steps) - right).max() for steps in counts]
     return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
