@@ -16,7 +16,7 @@ from particlecli.scene.checks import problems
 from particlecli.scene.integrator import ADAPTIVE, Goal, Integrator, Scheme
 from particlecli.scene.model import Scene
 
-MARGIN = 2.0
+MARGIN = 1.5
 """The error of a pilot is to be so many times smaller than what is asked for: it stands for more than it has seen."""
 
 LOOSEST, TIGHTEST = 1e-2, 1e-12
@@ -190,10 +190,11 @@ class _Search:
                 more = math.ceil(min(max(foretold, 1.2 * steps), (8 if excess < EXPLODED else 2) * steps))
                 most = self._affordable(scheme)
                 steps = int(most) if 1.2 * steps < most < more else more
-            elif enough <= CLOSE * (too_few + 1):
+            elif enough <= max(CLOSE * too_few, too_few + 1):
                 return
             else:
-                steps = math.ceil(min(max(foretold, math.sqrt(max(too_few, 1) * enough)), enough / CLOSE))
+                between = max(foretold, math.sqrt(max(too_few, 1) * enough))
+                steps = min(math.ceil(min(between, enough / CLOSE)), enough - 1)
 
     def _begun(self, scheme: Scheme) -> int:
         """Steps to begin with: where an adaptive scheme has told what it takes, a share of that."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Ids = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-SAMPLE = 40
+SAMPLE = 120
 """Particles of a group that are flown."""
 
 LONGEST = 300

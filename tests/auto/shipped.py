@@ -32,7 +32,7 @@ from particlecli.dynamics.sampling import chosen
 from particlecli.errors import SimulationError
 from particlecli.render.camera import View, on_picture
 from particlecli.runtime import Precision, start
-from particlecli.scene.integrator import ADAPTIVE, Scheme
+from particlecli.scene.integrator import ADAPTIVE, Integrator, Scheme
 from particlecli.scene.load import load_scene
 from particlecli.scene.model import Scene
 
@@ -124,12 +124,12 @@ def name_of(path: Path) -> str:
     return f"{path.parent.name}/{path.stem}"
 
 
-def judged(path: Path) -> Verdict:
-    """Let `auto` choose for a scene, and judge it."""
+def judged(path: Path, instead: Integrator | None = None) -> Verdict:
+    """Let `auto` choose for a scene, and judge it, or what is to be judged instead."""
     described = load_scene(path, ["integrator={type: auto}"])
     changed, choice = resolved(described, 2)
     assert choice is not None
-    own = changed.integrator
+    own = instead or changed.integrator
     span = min(described.duration, SPANS.get(name_of(path), described.duration))
     pace = Pace(None if own.dt is None else round(1 / described.fps / own.dt), own.tolerance)
     scheme = own.scheme
@@ -204,10 +204,9 @@ class _Court:
         sizes = []
         for name, track in self._reference.items():
             errors = self._in_unit(track, run.tracks[name].positions - track.positions)
-            for part in np.array_split(errors, WINDOWS):
-                seen = part[~np.isnan(part)]
-                if len(seen) >= ENOUGH:
-                    sizes.append(float(np.quantile(seen, 0.95, method="inverted_cdf")))
+            parts = [part[~np.isnan(part)] for part in (*np.array_split(errors, WINDOWS), errors)]
+            full = [part for part in parts if len(part) >= ENOUGH] or [part for part in parts[-1:] if len(part)]
+            sizes += [float(np.quantile(part, 0.95, method="inverted_cdf")) for part in full]
         return max(sizes, default=math.nan)
 
     def cost(self, scheme: Scheme, run: Outcome) -> float:

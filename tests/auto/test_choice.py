@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
 from particlecli.accuracy.tracks import deviation
-from particlecli.accuracy.trial import Pace, Trial, suitable, trial_plan
+from particlecli.accuracy.trial import Pace, Trial, trial_plan
 from particlecli.auto.resolve import resolved
 from particlecli.auto.terms import TOGETHER
 from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
-from particlecli.errors import SimulationError
 from particlecli.render.camera import View
 from particlecli.runtime import start
 from particlecli.scene.integrator import ADAPTIVE, Integrator
@@ -23,7 +21,6 @@ from particlecli.simulate import Simulation
 from tests.dynamics.scenes import body, scene
 
 ROOT = Path(__file__).parents[2] / "scenes"
-SHIPPED = sorted([*ROOT.glob("*.yaml"), *(ROOT / "reference").glob("*.yaml")])
 
 
 def auto(tolerance=None, **more):
@@ -172,57 +169,3 @@ def test_a_scene_with_a_scheme_stays_as_it_is():
 def test_tolerances_that_mean_nothing_are_refused(parts, says):
     with pytest.raises(ValidationError, match=says):
         Integrator.model_validate(parts)
-
-
-MOST, LONGEST, DEAREST = 1500, 3.0, 1.5
-"""Particles of each group that are followed, for how long, s, and how often the least cost is allowed."""
-
-RIVALS = {
-    "midpoint": [Pace(n) for n in (1, 2, 4, 8)],
-    "rk4": [Pace(n) for n in (1, 2, 4, 8, 16)],
-    "velocity_verlet": [Pace(n) for n in (1, 2, 4, 8, 16)],
-    "dormand_prince": [Pace(tolerance=10.0**-n) for n in (2, 3, 4, 5)],
-}
-"""What a choice is compared with, the cheapest first."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_shipped_scenes_are_as_accurate_as_asked_for_at_hardly_more_than_the_least_cost(path):
-    """Cost is time: of what is chosen, and of the first pace of each rival that is accurate enough too."""
-    described = load_scene(path, ["integrator={type: auto}"])
-    described = described.model_copy(update={"duration": min(described.duration, LONGEST)})
-    changed, choice = resolved(described, 2)
-    assert choice is not None
-    own, goal = changed.integrator, choice.goal.size
-    chosen_pace = Pace(None if own.dt is None else round(1 / described.fps / own.dt), own.tolerance)
-    view = View.of(described.camera, *described.camera.resolution, described.frames)
-    ids = {group.name: chosen(group.births, MOST) for group in make_plan(described).groups}
-
-    def trial(scheme, precision):
-        start(precision, 2)
-        return Trial(trial_plan(described, scheme, precision, MOST), ids, measures_energy=False)
-
-    reference = trial("dop853", "double").run(Pace(tolerance=1e-12)).tracks
-
-    def error(run):
-        size = deviation(run.tracks, reference, view).worst_pixels
-        return 0.0 if size is None else size.p95
-
-    rivals = [scheme for scheme in {**RIVALS, own.type: []} if scheme in suitable(described)]
-    times, found = {}, None
-    for scheme in rivals:
-        made = trial(scheme, described.precision)
-        if scheme == own.type:
-            run = made.run(chosen_pace, repeats=9)
-            found, times[f"{scheme}, as chosen"] = error(run), run.seconds
-        for pace in RIVALS.get(scheme, []):
-            if pace != chosen_pace or scheme != own.type:
-                with suppress(SimulationError):
-                    run = made.run(pace, repeats=9)
-                    if error(run) <= goal:
-                        times[f"{scheme}, {pace}"] = run.seconds
-                        break
-    seconds = times[f"{own.type}, as chosen"]
-    assert found <= goal, choice.lines()
-    assert seconds <= DEAREST * min(times.values()), (choice.lines(), times)
