@@ -44,6 +44,7 @@ ALONE = Terms(
         "rk4",
         "midpoint",
         "velocity_verlet",
+        "symplectic_euler",
         "yoshida4",
         "exact",
         "dormand_prince",

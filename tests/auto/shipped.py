@@ -64,7 +64,7 @@ SPANS = {
 CHEAPER = 1 / 1.5
 """The part of its cost at which nothing else may be accurate enough."""
 
-REFERENCES = (1e-10, 1e-12)
+REFERENCES = (1e-8, 1e-10)
 """Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from."""
 
 UNSURE, KNOWN = 0.25, 0.5
