@@ -107,7 +107,8 @@ class Judge:
         if self._goal.unit == "m":
             return lengths
         finite = np.where(np.isfinite(lengths), lengths, np.where(np.isnan(lengths), np.nan, 1e9))
-        seen = on_picture(positions, finite[:, :, None] * self._view.right, self._view)
+        with np.errstate(over="ignore"):
+            seen = on_picture(positions, finite[:, :, None] * self._view.right, self._view)
         return finite * self._view.focal / self._view.distance if np.isnan(seen).all() else seen
 
 
