@@ -19,12 +19,15 @@ from particlecli.scene.integrator import Integrator
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
 
-WORK = 2e9
+WORK = 1e9
 """Pairs of particles that the flight which others are compared with may look at, about."""
 
-NEAR, FAR = 600, 1000
-"""How many others act on a particle, at a guess: some 30 near it, of which each costs as much as 20 of those that
+NEAR, FAR = 300, 1000
+"""How many others act on a particle, at a guess: some 30 near it, of which each costs as much as 10 of those that
 attract all others; of these, by a tree, at most."""
+
+HARD = 4
+"""Times as much work is to be expected where particles attract each other without softening and may meet."""
 
 FEWEST, CALLS = 4, 50
 """Frames that are worth flying, and evaluations in one, at a guess."""
@@ -38,7 +41,8 @@ def looks(plan: Plan) -> int:
 
 def worth_flying(plan: Plan) -> bool:
     """Whether the coupled groups of a plan are few enough for pilots to tell anything."""
-    return looks(plan) * CALLS * FEWEST <= WORK
+    hard = any(isinstance(each.force, Attraction) and not each.force.softening for each in plan.couplings)
+    return looks(plan) * CALLS * FEWEST * (HARD if hard else 1) <= WORK
 
 
 class WholePilot:
