@@ -35,6 +35,9 @@ LEAST = 0.02
 SECOND = 2.0
 """Evaluations of the second reference where no smaller tolerance makes one, in parts of the first."""
 
+FEW = 20
+"""Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
+
 WINDOWS, ENOUGH = 8, 10
 """Spans that the scene is cut into, of which the worst counts, and errors in one that tell something."""
 
@@ -118,19 +121,21 @@ def _apart(one: Doubles, other: Doubles) -> Doubles:
 
 
 def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
-    """The largest 95th percentile over spans of the scene; errors at each frame after birth, shape (frames, n)."""
+    """The largest size over spans of the scene of errors at each frame after birth, shape (frames, n)."""
     ages = np.arange(1, len(errors) + 1)[:, None]
     lives = (ages <= pilot.frames) & ~np.isnan(errors)
     last = max(1.0, float(pilot.frames.max()) + pilot.first_frames.max())
     windows = np.minimum(((pilot.first_frames + ages) / last * WINDOWS).astype(int), WINDOWS - 1)
-    sizes = [_p95(errors[lives & (windows == window)]) for window in range(WINDOWS)]
+    few = errors.shape[1] < FEW
+    sizes = [_size(errors[lives & (windows == window)], few=few) for window in range(WINDOWS)]
     known = [size for size in sizes if size is not None]
-    worst = max(known) if known else _p95(errors[lives], 1) or 0.0
+    worst = max(known) if known else _size(errors[lives], 1, few=few) or 0.0
     return worst * max(1.0, float(pilot.frames.max()) / pilot.flown)
 
 
-def _p95(values: Doubles, enough: int = ENOUGH) -> float | None:
-    return float(np.quantile(values, 0.95, method="inverted_cdf")) if len(values) >= enough else None
+def _size(values: Doubles, enough: int = ENOUGH, *, few: bool) -> float | None:
+    share = 1.0 if few else 0.95
+    return float(np.quantile(values, share, method="inverted_cdf")) if len(values) >= enough else None
 
 
 def metres(scene: Scene) -> float:

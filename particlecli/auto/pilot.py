@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 Ids = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-SAMPLE = 120
+SAMPLE = 400
 """Particles of a group that are flown."""
 
-LONGEST = 300
-"""Frames of a particle's life that are flown, at most."""
+LONGEST, MOST = 300, 60_000
+"""Frames of a particle's life that are flown, at most; of few particles more, up to so many of all together."""
 
 
 @dataclass(frozen=True)
@@ -51,17 +51,23 @@ class Pilot:
         probe: its equations of motion.
         interval: from one frame to the next, s.
         until: end of the scene, s.
+        table: who is born; none: a sample of the group's births.
 
     Attributes:
+        ids, origins: their numbers, and where they are born, m, shape (n,) and (n, 3).
+        interval: from one frame to the next, s.
         births: instants, s, shape (n,).
         first_frames: the same in frames.
         frames: how many frames each particle lives, shape (n,).
         flown: frames that are flown.
     """
 
-    def __init__(self, plan: GroupPlan, probe: Flights, interval: float, until: float) -> None:
-        self._plan, self._interval = plan, interval
-        table = plan.births.of(spread(plan.births.total, SAMPLE))
+    def __init__(
+        self, plan: GroupPlan, probe: Flights, interval: float, until: float, table: BirthTable | None = None
+    ) -> None:
+        self._plan, self.interval = plan, interval
+        table = plan.births.of(spread(plan.births.total, SAMPLE)) if table is None else table
+        self.ids, self.origins = table.ids, np.asarray(table.positions, float).T
         parts = [table.positions] if table.velocities is None else [table.positions, table.velocities]
         inverse = plan.constants[Constant.INVERSE_MASS]
         weights = np.full(len(table), inverse) if table.masses is None else 1.0 / table.masses
@@ -71,7 +77,8 @@ class Pilot:
         self.births = table.times
         self.first_frames = table.times / interval
         self.frames = np.floor(self._lives(table, until) / interval + 1e-9).astype(np.int64)
-        self.flown = int(min(self.frames.max(initial=0), LONGEST))
+        longest = max(LONGEST, MOST // max(1, len(self.births)))
+        self.flown = int(min(self.frames.max(initial=0), longest))
 
     @property
     def moves(self) -> bool:
@@ -98,7 +105,7 @@ class Pilot:
         box = self._plan.dies.outside
         corners = [[-np.inf] * 3, [np.inf] * 3] if box is None else [box.min, box.max]
         return Course(
-            interval=self._interval,
+            interval=self.interval,
             frames=np.minimum(self.frames, self.flown).astype(np.int32),
             planes=np.array([_row(plane) for plane in self._plan.planes]).reshape(-1, 8),
             located=self._located,
@@ -117,7 +124,7 @@ class Pilot:
         with np.errstate(all="ignore"):
             for index in range(self.flown):
                 here = np.flatnonzero(frames > index)
-                h = np.full(len(here), self._interval / steps)
+                h = np.full(len(here), self.interval / steps)
                 for _ in range(steps):
                     sample.states[:, here] = grounds.step(step, sample.at(here), h, here)
                     sample.times[here] += h

@@ -7,11 +7,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from particlecli import runtime
+from particlecli.auto.children import children, first_brood
 from particlecli.auto.choice import Choice, Tried, choose, integrator_of
 from particlecli.auto.judge import metres
 from particlecli.auto.pilot import SAMPLE, Pilot
 from particlecli.auto.terms import ALONE, TOGETHER
 from particlecli.auto.whole import WholePilot, worth_flying
+from particlecli.dynamics.births import EmitterBirths
 from particlecli.dynamics.plan import Plan, make_plan
 from particlecli.errors import SimulationError
 from particlecli.scene.integrator import DEFAULT_STEP, UNCHOSEN
@@ -55,8 +57,16 @@ def _pilots(plan: Plan) -> list[Pilot]:
     if not apart:
         return []
     system = System(plan)
-    flights = [Flights(system.groups[group.name].motion, scene.precision, SAMPLE) for group in apart]
-    return [Pilot(group, each, 1.0 / scene.fps, scene.duration) for group, each in zip(apart, flights, strict=True)]
+    pilots: dict[str, Pilot] = {}
+    ranks = {brood.child: place for place, brood in enumerate(plan.broods, 1)}  # parents come before their children
+    for group in sorted(apart, key=lambda each: ranks.get(each.name, 0)):
+        births, table = group.births, None
+        brood = None if births.total else first_brood(plan.broods, pilots, group.name)
+        if brood is not None and isinstance(births, EmitterBirths):
+            table = children(brood, births, pilots[brood.parent])
+        flights = Flights(system.groups[group.name].motion, scene.precision, SAMPLE)
+        pilots[group.name] = Pilot(group, flights, 1.0 / scene.fps, scene.duration, table)
+    return list(pilots.values())
 
 
 def _standing(scene: Scene) -> Choice:

@@ -71,6 +71,9 @@ UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
 a group that must be followed at a frame for it to count."""
 
+FEW = 20
+"""Of fewer particles than that the largest error counts."""
+
 WINDOWS, ENOUGH = 8, 10
 """Parts of the scene, and particles seen in one that count."""
 
@@ -206,7 +209,8 @@ class _Court:
             errors = self._in_unit(track, run.tracks[name].positions - track.positions)
             parts = [part[~np.isnan(part)] for part in (*np.array_split(errors, WINDOWS), errors)]
             full = [part for part in parts if len(part) >= ENOUGH] or [part for part in parts[-1:] if len(part)]
-            sizes += [float(np.quantile(part, 0.95, method="inverted_cdf")) for part in full]
+            share = 1.0 if len(track.ids) < FEW else 0.95
+            sizes += [float(np.quantile(part, share, method="inverted_cdf")) for part in full]
         return max(sizes, default=math.nan)
 
     def cost(self, scheme: Scheme, run: Outcome) -> float:

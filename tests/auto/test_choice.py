@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.tracks import deviation
 from particlecli.accuracy.trial import Pace, Trial, trial_plan
 from particlecli.auto.resolve import resolved
@@ -132,6 +133,34 @@ def test_too_many_to_be_flown_get_an_adaptive_scheme():
     assert changed.integrator.type == "dormand_prince"
     assert choice.rejected == ()
     assert not choice.holds
+
+
+@pytest.mark.slow
+def test_children_count_as_much_as_their_parents():
+    """Shells that fly in vacuum burst into stars that air stops, which no scheme follows in steps as long."""
+    shells = {
+        "emitters": {
+            "shells": {
+                "rate": 10,
+                "speed": 8,
+                "lifetime": 0.5,
+                "children": {"on": "death", "emitter": "stars", "count": 9},
+            },
+            "stars": {"speed": 20, "direction": {"spread": 180}, "mass": 0.01},
+        },
+        "forces": [{"type": "gravity"}, {"type": "quadratic_drag", "coefficient": 0.01, "on": ["stars"]}],
+        "integrator": auto(1e-3),
+    }
+    changed, choice = resolved(scene(**shells), 1)
+    assert choice.holds
+    simulation = Simulation(scene(**shells), threads=1)
+    estimate = ErrorEstimate(simulation, lambda _: View.of(simulation.scene.camera, 640, 360))
+    for frame in simulation:
+        estimate.watch(frame)
+    assert estimate.result()["stars"].metres.p95 <= 1e-3
+    alone = {**shells["emitters"]["shells"], "children": []}
+    without, _ = resolved(scene(**{**shells, "emitters": {"shells": alone}, "forces": [{"type": "gravity"}]}), 1)
+    assert without.integrator != changed.integrator
 
 
 def test_planes_that_move_are_beyond_pilots_and_get_a_short_step():
