@@ -39,6 +39,37 @@ FAINTEST = 1 / 512
 """What is left of less is not drawn."""
 
 
+@ti.func
+def _reach(ratio, along):
+    """How far an ellipsoid reaches along an axis, in radii of the ball of its volume; `along` is that of its length."""
+    return ti.sqrt((1.0 + (ratio * ratio * ratio - 1.0) * along * along) / ratio)
+
+
+@ti.func
+def _set_shape(i, rows: ti.template(), size, grown, ratio, along, scale):
+    """Set how a blob's density falls off, see `records`; `grown` is by what it is thinner than it is drawn."""
+    curve, share = ratio / (size * size), 1.0 - 1.0 / (ratio * ratio * ratio)
+    c = curve * (1.0 - share * along[2] * along[2]) * scale * scale
+    bend = curve * share * along[2] * scale / c
+    hx, hy = bend * along[0], bend * along[1]
+    values = (
+        (EZ, size * _reach(ratio, along[2]) / scale), (C, c), (HX, hx * grown), (HY, hy * grown),
+        (MXX, (curve * (1.0 - share * along[0] * along[0]) - c * hx * hx) * grown * grown),
+        (MXY, -2.0 * (curve * share * along[0] * along[1] + c * hx * hy) * grown * grown),
+        (MYY, (curve * (1.0 - share * along[1] * along[1]) - c * hy * hy) * grown * grown),
+    )  # fmt: skip
+    for k, value in ti.static(values):
+        rows[i, k] = value
+
+
+@ti.func
+def _stretched(speed, stretch, scale, drawn, lens):
+    """By what a blob is drawn out, and along which direction on the picture and into it."""
+    fast = ti.max(speed.norm(), 1e-20)
+    ratio = ti.min(1.0 + 0.5 * stretch * fast * scale / drawn, LONGEST)
+    return ratio, vec3(speed.dot(lens.right), -speed.dot(lens.up), speed.dot(lens.forward)) / fast
+
+
 @ti.kernel
 def put_blobs(
     count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row, shot: Row,
@@ -77,14 +108,10 @@ def put_blobs(
                     size = reach * drawn
                     along, ratio = vec3(0.0), 1.0
                     if stretch > 0.0:
-                        speed = vector(velocities, i)
-                        fast = ti.max(speed.norm(), 1e-20)
-                        ratio = ti.min(1.0 + 0.5 * stretch * fast * scale / drawn, LONGEST)
-                        along = vec3(speed.dot(lens.right), -speed.dot(lens.up), speed.dot(lens.forward)) / fast
-                    cube = ratio * ratio * ratio
+                        ratio, along = _stretched(vector(velocities, i), stretch, scale, drawn, lens)
                     grown = drawn / (drawn + EDGE)
-                    wide = size / grown * ti.sqrt((1.0 + (cube - 1.0) * along[0] * along[0]) / ratio)
-                    high = size / grown * ti.sqrt((1.0 + (cube - 1.0) * along[1] * along[1]) / ratio)
+                    wide = size / grown * _reach(ratio, along[0])
+                    high = size / grown * _reach(ratio, along[1])
                     inside = (
                         (ti.abs(place[0] - lens.center_x) < lens.center_x + wide)
                         & (ti.abs(place[1] - lens.center_y) < lens.center_y + high)
@@ -93,21 +120,14 @@ def put_blobs(
                     rows[i, EY] = -1.0
                     keys[i] = ti.cast(key_of(depth, lens.near), ti.u16)
                     if inside:
-                        curve, share = ratio / (size * size), 1.0 - 1.0 / cube
-                        c = curve * (1.0 - share * along[2] * along[2]) * scale * scale
-                        bend = curve * share * along[2] * scale / c
-                        hx, hy = bend * along[0], bend * along[1]
                         tint = ti.cast(
                             table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32
                         )
-                        deep = size * ti.sqrt((1.0 + (cube - 1.0) * along[2] * along[2]) / ratio) / scale
+                        _set_shape(i, rows, size, grown, ratio, along, scale)
                         values = (
-                            (X, place[0]), (Y, place[1]), (DEPTH, depth), (EX, wide), (EY, high), (EZ, deep),
-                            (MXX, (curve * (1.0 - share * along[0] * along[0]) - c * hx * hx) * grown * grown),
-                            (MXY, -2.0 * (curve * share * along[0] * along[1] + c * hx * hy) * grown * grown),
-                            (MYY, (curve * (1.0 - share * along[1] * along[1]) - c * hy * hy) * grown * grown),
-                            (C, c), (HX, hx * grown), (HY, hy * grown), (SHARE, radius * radius / (drawn * drawn)),
-                            (RED, colors[tint, 0]), (GREEN, colors[tint, 1]), (BLUE, colors[tint, 2]),
+                            (X, place[0]), (Y, place[1]), (DEPTH, depth), (EX, wide), (EY, high),
+                            (SHARE, radius * radius / (drawn * drawn)), (RED, colors[tint, 0]),
+                            (GREEN, colors[tint, 1]), (BLUE, colors[tint, 2]),
                         )  # fmt: skip
                         for k, value in ti.static(values):
                             rows[i, k] = value

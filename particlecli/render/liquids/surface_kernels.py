@@ -96,6 +96,42 @@ def _find(
                     doubtful |= again[worker, cell]
 
 
+@ti.func
+def _enter_all(
+    first, end, order: ti.template(), others: ti.template(), rows: ti.template(), top, bottom, packs, worker,
+    cells: ti.template(), farthest: ti.template(), visits: ti.template(), limits: ti.template(), level, lowest,
+):  # fmt: skip
+    """Find where the rays of a band meet blobs; returns the end of the list of those that are not hidden."""
+    for cell in range((bottom - top) * packs):
+        cells[worker, cell, NEAR] = Single(FAR)
+        cells[worker, cell, OWN] = Single(FAR)
+        farthest[worker, cell] = FAR
+        visits[worker, cell] = 0
+    for pack in range(packs):
+        limits[worker, pack] = FAR
+    met = first
+    for o in range(first, end):
+        row = order[o]
+        if not hidden(row, rows, packs, worker, limits):
+            enter(
+                row, rows, top, bottom, packs, worker, cells, farthest, visits, limits, 1.0 - level, 1.0 - lowest
+            )  # fmt: skip
+            others[met] = row
+            met += 1
+    return met
+
+
+@ti.func
+def _measure_thickness(
+    first, end, order: ti.template(), rows: ti.template(), top, squares, worker, thick: ti.template()
+):
+    """How many blobs the rays of a band go through, square by square."""
+    for square in range(LINES * squares):
+        thick[worker, square] = 0.0
+    for o in range(first, end):
+        add_thickness(order[o], rows, top, squares, worker, thick)
+
+
 @ti.kernel
 def draw_surface(
     count: ti.i32, ranked: Ids, rows: Rows, counts: Integers, order: Integers, others: Integers, cells: ti.template(),
@@ -149,28 +185,12 @@ def draw_surface(
                     shape[node] = vec4(0.0, 0.0, 0.0, FAR)
                 size = (bottom - top) * packs
                 if first < end:
-                    for cell in range(size):
-                        cells[worker, cell, NEAR] = Single(FAR)
-                        cells[worker, cell, OWN] = Single(FAR)
-                        farthest[worker, cell] = FAR
-                        visits[worker, cell] = 0
-                    for pack in range(packs):
-                        limits[worker, pack] = FAR
-                    met = first
-                    for o in range(first, end):
-                        row = order[o]
-                        if not hidden(row, rows, packs, worker, limits):
-                            enter(
-                                row, rows, top, bottom, packs, worker, cells, farthest, visits, limits, 1.0 - level,
-                                1.0 - lowest,
-                            )  # fmt: skip
-                            others[met] = row
-                            met += 1
+                    met = _enter_all(
+                        first, end, order, others, rows, top, bottom, packs, worker, cells, farthest, visits, limits,
+                        level, lowest,
+                    )  # fmt: skip
                     if opacity_depth < OPAQUE:
-                        for square in range(LINES * squares):
-                            thick[worker, square] = 0.0
-                        for o in range(first, end):
-                            add_thickness(order[o], rows, top, squares, worker, thick)
+                        _measure_thickness(first, end, order, rows, top, squares, worker, thick)
                     _find(
                         first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits,
                         level,
