@@ -33,11 +33,13 @@ class CoupledTerm(ABC, Generic[Spec]):
         needs_preparation: whether `prepare` must run before accelerations are asked for.
         ends_steps: whether `end_step` has something to do.
         has_potential: whether `potential` is there, so that the energy of what it acts on can be computed.
+        joins: whether `apply` has something to do.
     """
 
     needs_preparation: bool = False
     ends_steps: bool = False
     has_potential: bool = False
+    joins: bool = False
 
     def __init__(self, spec: Spec, points: Points, groups: Sequence[int]) -> None:
         self.spec = spec

@@ -11,7 +11,7 @@ import taichi as ti
 
 from particlecli.dynamics.coupled.blocks import inverted, product
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
-from particlecli.dynamics.coupled.multigrid import Multigrid
+from particlecli.dynamics.coupled.rigid_bodies import RigidBodies
 from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
 from particlecli.dynamics.coupled.springs import Springs
 from particlecli.dynamics.coupled.step import Step
@@ -39,6 +39,7 @@ class Krylov:
         self.real = step.real
         pack = ti.types.vector(LANES, step.real)
         packs = self.points.capacity
+        self.alone = ti.field(pack, shape=(6, packs))
         self.blocks = ti.field(pack, shape=(6, packs))
         self.inverses = ti.field(pack, shape=(6, packs))
         self.residual = ti.field(pack, shape=(3, packs))
@@ -49,15 +50,15 @@ class Krylov:
         self.parts = ti.field(ti.f64, shape=(3, packs))
         self.numbers = ti.field(ti.f64, shape=6)
         self.found = self.points.memory.view(self.numbers)
-        self.counter = ti.field(ti.i32, shape=2)
+        self.counter = ti.field(ti.i32, shape=3)
         self.epsilon = EPSILON[step.real]
         springs = [term for term in self.motion.terms if isinstance(term, Springs)]
-        self.multigrid = Multigrid(springs, self.points, self.ending.pins, self.blocks)
+        self.bodies = RigidBodies(springs, self.points, self.ending.pins, self.alone)
 
     def refresh(self) -> None:
-        """Bring the coarser levels to the present equations; for later ones of the same step they do nearly as well."""
-        if self.multigrid.levels:
-            self.multigrid.refresh()
+        """Bring the bodies to the present equations; for later ones of the same step they do nearly as well."""
+        if self.bodies.count:
+            self.bodies.refresh()
 
     @ti.kernel
     def approach(self, row: ti.i32, beginning: ti.i32, packs: ti.i32, start: ti.f64, now: ti.f64, length: ti.f64):
@@ -100,17 +101,18 @@ class Krylov:
         moves = self._moves(b)
         mass = ti.select(moves, self.points.mass[b], 1.0)
         a = self.motion.acceleration(b, t)
-        xx, xy, xz, yy, yz, zz = self.motion.linearize(b, t, by_position, by_velocity)
+        both = self.motion.linearize(b, t, by_position, by_velocity)
         rounding = 0.0 * mass
-        for c in ti.static(range(3)):
-            stiff = [xx, yy, zz][c]
-            rounding += stiff * stiff / (mass + stiff) * (self.epsilon * self.points.state[c, b]) ** 2
+        for c in ti.static((0, 3, 5)):
+            stiff = both[c] + both[6 + c]
+            rounding += stiff * stiff / (mass + stiff) * (self.epsilon * self.points.state[ti.static((0, 3, 5).index(c)), b]) ** 2
         self.parts[2, b] = ti.cast(ti.select(moves, rounding, 0.0).sum(), ti.f64)
-        xx, yy, zz = mass + xx, mass + yy, mass + zz
-        block = [xx, xy, xz, yy, yz, zz]
-        inverse = inverted(block)
         for c in ti.static(range(6)):
-            self.blocks[c, b] = block[c]
+            own = mass + both[c] if ti.static(c in (0, 3, 5)) else both[c]
+            self.alone[c, b] = own
+            self.blocks[c, b] = own + both[6 + c]
+        inverse = inverted([self.blocks[c, b] for c in ti.static(range(6))])
+        for c in ti.static(range(6)):
             self.inverses[c, b] = inverse[c]
         for c in ti.static(range(3)):
             self.residual[c, b] = ti.select(moves, mass * (a[c] - self.stages.slopes[3 * i + c, b]), 0.0)
@@ -126,7 +128,7 @@ class Krylov:
     @ti.kernel
     def iterate(self, packs: ti.i32, begun: ti.i32):
         """An iteration of conjugate gradients (Hestenes & Stiefel 1952); or, not begun, make it ready."""
-        self.counter[0], self.counter[1] = 0, 0
+        self.counter[0], self.counter[1], self.counter[2] = 0, 0, 0
         for turn in range(TURNS):
             if turn % GRAIN == 0:
                 first = ti.atomic_add(self.counter[0], SHARE)
@@ -139,17 +141,23 @@ class Krylov:
             self._measure_step(packs * begun)
         for b in range(packs):
             self._advance(b)
-        if ti.static(self.multigrid.levels > 0):
+        if ti.static(self.bodies.count > 0):
             for turn in range(TURNS):
                 if turn % GRAIN == 0:
-                    first = ti.atomic_add(self.counter[1], SHARE)
-                    while first < self.multigrid.packs[1]:
-                        for r in range(first, ti.min(first + SHARE, self.multigrid.packs[1])):
-                            self.multigrid.restrict(r)
-                        first = ti.atomic_add(self.counter[1], SHARE)
+                    branch = ti.atomic_add(self.counter[1], 1)
+                    while branch < self.bodies.factor.branches:
+                        self.bodies.begin(branch)
+                        branch = ti.atomic_add(self.counter[1], 1)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._measure_turn(packs, begun)
+        if ti.static(self.bodies.count > 0):
+            for turn in range(TURNS):
+                if turn % GRAIN == 0:
+                    branch = ti.atomic_add(self.counter[2], 1)
+                    while branch < self.bodies.factor.branches:
+                        self.bodies.end(branch)
+                        branch = ti.atomic_add(self.counter[2], 1)
         for b in range(packs):
             self._turn(b)
 
@@ -174,10 +182,10 @@ class Krylov:
 
     @ti.func
     def _measure_turn(self, packs, begun):
-        """Let the coarser levels see what is left of the residual, and find the share of the last direction."""
+        """Let the bodies see what is left of the residual, and find the share of the last direction."""
         total, old = self._total(0, packs), self.numbers[RESIDUAL]
-        if ti.static(self.multigrid.levels > 0):
-            total += self.multigrid.solve()
+        if ti.static(self.bodies.count > 0):
+            total += self.bodies.turn()
         self.numbers[SHARE_OF_OLD] = ti.select((old > 0.0) & (begun == 1), total / old, 0.0)
         self.numbers[RESIDUAL] = total
 
@@ -200,21 +208,21 @@ class Krylov:
             self.better[c, b] = z[c]
             total += z[c] * self.residual[c, b]
         self.parts[0, b] = ti.cast(total.sum(), ti.f64)
-        if ti.static(self.multigrid.levels > 0):
-            row = self.multigrid.row(b)
+        if ti.static(self.bodies.count > 0):
+            row = self.bodies.row(b)
             if row >= 0:
                 for c in ti.static(range(3)):
-                    self.multigrid.rest[c, row] = self.residual[c, b]
+                    self.bodies.rest[c, row] = self.residual[c, b]
 
     @ti.func
     def _turn(self, b):
         """Take the step, and turn to the next direction: of the preconditioned residual and the last one."""
         step, share = ti.cast(self.numbers[LENGTH], self.real), ti.cast(self.numbers[SHARE_OF_OLD], self.real)
         x, y, z = self.better[0, b], self.better[1, b], self.better[2, b]
-        if ti.static(self.multigrid.levels > 0):
-            row, moves = self.multigrid.row(b), self._moves(b)
+        if ti.static(self.bodies.count > 0):
+            row, moves = self.bodies.row(b), self._moves(b)
             if row >= 0:
-                found = self.multigrid.prolonged(row)
+                found = self.bodies.moved(row)
                 x += ti.select(moves, found[0], 0.0)
                 y += ti.select(moves, found[1], 0.0)
                 z += ti.select(moves, found[2], 0.0)

@@ -60,15 +60,28 @@ class CoupledMotion:
 
     @ti.func
     def linearize(self, b, t, by_position, by_velocity):
-        """The diagonal blocks of all forces on pack b, six packs, as of `CoupledTerm.linearize`."""
+        """The diagonal blocks of all forces on pack b, as of `CoupledTerm.linearize`.
+
+        Returns: six packs of those that act on each particle alone, and six of those that join particles.
+        """
         zero = 0.0 * self.points.mass[b]
         xx, xy, xz, yy, yz, zz = zero, zero, zero, zero, zero, zero
         for g in ti.static(range(len(self.groups))):
             if self.points.holds(g, b):
-                own = self._linearized(self.groups[g], b - self.points.firsts[g], b, t, by_position, by_velocity)
-                xx, xy, xz = zero + own[0], zero + own[1], zero + own[2]
-                yy, yz, zz = zero + own[3], zero + own[4], zero + own[5]
-        for j in ti.static(range(len(self.terms))):
+                block = self._linearized(self.groups[g], b - self.points.firsts[g], b, t, by_position, by_velocity)
+                xx, xy, xz = zero + block[0], zero + block[1], zero + block[2]
+                yy, yz, zz = zero + block[3], zero + block[4], zero + block[5]
+        alone = self._linearized_terms(False, b, t, by_position, by_velocity)
+        own = [xx, xy, xz, yy, yz, zz]
+        joined = self._linearized_terms(True, b, t, by_position, by_velocity)
+        return [own[c] + alone[c] for c in ti.static(range(6))] + joined
+
+    @ti.func
+    def _linearized_terms(self, joins: ti.template(), b, t, by_position, by_velocity):
+        """The sum of the diagonal blocks of the terms that join particles, or of those that do not."""
+        zero = 0.0 * self.points.mass[b]
+        xx, xy, xz, yy, yz, zz = zero, zero, zero, zero, zero, zero
+        for j in ti.static([j for j, term in enumerate(self.terms) if term.joins == joins]):
             if self._concerns(j, b):
                 block = self.terms[j].linearize(self.loaded(j), b, t, by_position, by_velocity)
                 xx, xy, xz = xx + block[0], xy + block[1], xz + block[2]
@@ -80,7 +93,7 @@ class CoupledMotion:
         """What all forces make of vectors beside the diagonal, three packs, as of `CoupledTerm.apply`."""
         zero = 0.0 * self.points.mass[b]
         x, y, z = zero, zero, zero
-        for j in ti.static(range(len(self.terms))):
+        for j in ti.static([j for j, term in enumerate(self.terms) if term.joins]):
             if self._concerns(j, b):
                 part = self.terms[j].apply(b, vectors)
                 x, y, z = x + part[0], y + part[1], z + part[2]

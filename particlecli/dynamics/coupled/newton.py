@@ -120,8 +120,7 @@ class Newton:
             self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
             self._prepare(time)
             self._krylov.linearize(i, packs, time, factor**2, factor)
-            if iteration == 0:
-                self._krylov.refresh()
+            self._krylov.refresh()
             if not self._descend(packs):
                 return False, iteration + 1
             self._krylov.update(i, packs)

@@ -31,6 +31,7 @@ class Springs(CoupledTerm[scene.Springs]):
     """
 
     has_potential = True
+    joins = True
 
     def __init__(self, spec: scene.Springs, points: Points, groups: Sequence[int], plans: Sequence[GroupPlan]) -> None:
         super().__init__(spec, points, groups)
@@ -149,12 +150,10 @@ class Springs(CoupledTerm[scene.Springs]):
         return [x, y, z]
 
     @ti.func
-    def block(self, place):
-        """The block beside the diagonal of the spring of entry `place`, xx, xy, xz, yy, yz, zz, as of `linearize`."""
+    def link(self, place):
+        """√s n and c of the spring of entry `place`, four numbers, as of `linearize`."""
         slot, lane = place // LANES, place % LANES
-        nx, ny, nz = self.stiff[0, slot][lane], self.stiff[1, slot][lane], self.stiff[2, slot][lane]
-        c = self.stiff[3, slot][lane]
-        return [-nx * nx - c, -nx * ny, -nx * nz, -ny * ny - c, -ny * nz, -nz * nz - c]
+        return ti.Vector([self.stiff[j, slot][lane] for j in ti.static(range(4))])
 
     @ti.func
     def end_step(self, p, b, t):
