@@ -39,7 +39,10 @@ class BlockFactor:
         self.firsts = integers(ti.i32, elimination.branches)
         self.starts, self.rows = integers(ti.i32, elimination.starts), integers(ti.i32, _some(elimination.rows))
         self.row_starts = integers(ti.i32, elimination.row_starts)
-        self.columns, self.places = integers(ti.i32, _some(elimination.columns)), integers(ti.i32, _some(elimination.blocks))
+        self.columns, self.places = (
+            integers(ti.i32, _some(elimination.columns)),
+            integers(ti.i32, _some(elimination.blocks)),
+        )
         self.target_starts, self.targets = integers(ti.i32, targets[0]), integers(ti.i32, _some(targets[1]))
         wide, vector = ti.types.vector(WIDTH, ti.f64), ti.types.vector(WIDTH, points.real)
         self.values = ti.field(wide, shape=(self.count + self.blocks, SIX))
@@ -156,4 +159,3 @@ class BlockFactor:
 def _some(values):
     """At least one number."""
     return values if len(values) else np.zeros(1, np.int64)
-

@@ -1,7 +1,7 @@
 """Which particles that springs join make up a body, for a coarse correction of implicit steps.
 
-Particles joined by the stiffest springs are gathered (Vaněk, Mandel & Brezina, Computing 56 (1996) 179), then bodies are
-joined two by two until the equations of all bodies together are cheap enough to solve directly. Set up once on the host
+Particles joined by the stiffest springs are gathered (Vaněk, Mandel & Brezina, Computing 56 (1996) 179), then bodies
+are joined two by two until the equations of all of them are cheap enough to solve directly. Set up once on the host
 from which particles are joined and how stiffly.
 """
 
@@ -21,7 +21,7 @@ Indices = NDArray[np.int64]
 STRONG = 0.1
 """Links weaker than this share of the stiffest at both ends do not gather particles."""
 
-LINKS_A_BLOCK = 8
+LINKS_A_BLOCK = 16
 """There must be so many links between particles for each block of the factor of the equations of bodies: then its
 solution takes about as long as the forces of the links."""
 
@@ -58,7 +58,8 @@ class Graph:
         low, high = ends[kept].min(axis=1), ends[kept].max(axis=1)
         keys, places = np.unique(low * size + high, return_inverse=True)
         pairs = np.stack([keys // max(1, size), keys % max(1, size)], axis=1)
-        return Graph(size, pairs, np.bincount(places, self.weights[kept], len(keys)))
+        weights = np.bincount(places, self.weights[kept], len(keys)).astype(float)
+        return Graph(size, pairs, weights)
 
 
 def bodies(graph: Graph, free: NDArray[np.bool_]) -> tuple[Indices, Elimination]:
@@ -77,7 +78,9 @@ def bodies(graph: Graph, free: NDArray[np.bool_]) -> tuple[Indices, Elimination]
         coarser = graph.contracted(owners)
         elimination = Elimination.of(coarser.count, coarser.pairs)
         if len(elimination.rows) <= affordable:
-            return np.where(owners >= 0, elimination.places[owners], -1), elimination
+            found = np.full(graph.count, -1)
+            found[owners >= 0] = elimination.places[owners[owners >= 0]]
+            return found, elimination
         owners = np.where(owners >= 0, _matched(coarser)[owners], -1)
 
 

@@ -1,8 +1,8 @@
 """The order in which the unknowns of a sparse symmetric matrix are eliminated, and the factor that this leads to.
 
-A = (U + D) D⁻¹ (U + D)ᵀ, with D the blocks on the diagonal and U those below it. The next unknown is always one with the
-fewest neighbours left (minimum degree: Tinney & Walker, Proc. IEEE 55 (1967) 1801). Set up once on the host; only the
-values change.
+A = (U + D) D⁻¹ (U + D)ᵀ, with D the blocks on the diagonal and U those below it. The next unknown is always one with
+the fewest neighbours left (minimum degree: Tinney & Walker, Proc. IEEE 55 (1967) 1801). Set up once on the host; only
+the values change.
 """
 
 from __future__ import annotations

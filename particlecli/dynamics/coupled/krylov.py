@@ -13,6 +13,7 @@ from particlecli.dynamics.coupled.blocks import inverted, product
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
 from particlecli.dynamics.coupled.rigid_bodies import RigidBodies
 from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.spring_rows import SpringRows
 from particlecli.dynamics.coupled.springs import Springs
 from particlecli.dynamics.coupled.step import Step
 from particlecli.dynamics.group_plan import LANES
@@ -53,7 +54,7 @@ class Krylov:
         self.counter = ti.field(ti.i32, shape=3)
         self.epsilon = EPSILON[step.real]
         springs = [term for term in self.motion.terms if isinstance(term, Springs)]
-        self.bodies = RigidBodies(springs, self.points, self.ending.pins, self.alone)
+        self.bodies = RigidBodies(SpringRows(springs, self.points), self.ending.pins, self.alone)
 
     def refresh(self) -> None:
         """Bring the bodies to the present equations; for later ones of the same step they do nearly as well."""
@@ -105,7 +106,12 @@ class Krylov:
         rounding = 0.0 * mass
         for c in ti.static((0, 3, 5)):
             stiff = both[c] + both[6 + c]
-            rounding += stiff * stiff / (mass + stiff) * (self.epsilon * self.points.state[ti.static((0, 3, 5).index(c)), b]) ** 2
+            rounding += (
+                stiff
+                * stiff
+                / (mass + stiff)
+                * (self.epsilon * self.points.state[ti.static((0, 3, 5).index(c)), b]) ** 2
+            )
         self.parts[2, b] = ti.cast(ti.select(moves, rounding, 0.0).sum(), ti.f64)
         for c in ti.static(range(6)):
             own = mass + both[c] if ti.static(c in (0, 3, 5)) else both[c]
@@ -209,7 +215,7 @@ class Krylov:
             total += z[c] * self.residual[c, b]
         self.parts[0, b] = ti.cast(total.sum(), ti.f64)
         if ti.static(self.bodies.count > 0):
-            row = self.bodies.row(b)
+            row = self.bodies.rows.row(b)
             if row >= 0:
                 for c in ti.static(range(3)):
                     self.bodies.rest[c, row] = self.residual[c, b]
@@ -220,7 +226,7 @@ class Krylov:
         step, share = ti.cast(self.numbers[LENGTH], self.real), ti.cast(self.numbers[SHARE_OF_OLD], self.real)
         x, y, z = self.better[0, b], self.better[1, b], self.better[2, b]
         if ti.static(self.bodies.count > 0):
-            row, moves = self.bodies.row(b), self._moves(b)
+            row, moves = self.bodies.rows.row(b), self._moves(b)
             if row >= 0:
                 found = self.bodies.moved(row)
                 x += ti.select(moves, found[0], 0.0)
