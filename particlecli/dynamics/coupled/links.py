@@ -15,6 +15,9 @@ from particlecli.scene.shapes import GridLayout, HairLayout, Layout, LineLayout,
 Doubles = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+APART = 2**31 - 1
+"""Instead of a step that partners do not share."""
+
 
 @dataclass(frozen=True)
 class Lattice:
@@ -115,18 +118,46 @@ class Adjacency:
 
     @classmethod
     def of(cls, pairs: Indices, count: int) -> Adjacency:
-        """The adjacency of links between `count` particles, in the order of the links."""
+        """The adjacency of links between `count` particles.
+
+        In packs where that takes no more slots, links to partners that stand equally far ahead or behind share a slot;
+        elsewhere each particle's links are in their order.
+        """
         owners, others = np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
         numbers = np.tile(np.arange(len(pairs)), 2)
-        order = np.lexsort((numbers, owners))
+        order = np.lexsort((numbers, others, owners))
         owners, others, numbers = owners[order], others[order], numbers[order]
-        degrees = np.bincount(owners, minlength=-(-count // 16) * 16)
-        ranks = np.arange(len(owners)) - np.repeat(np.cumsum(degrees) - degrees, degrees)
-        widths = degrees.reshape(-1, 16).max(axis=1)
+        rows = -(-count // 16)
+        widths = np.bincount(owners, minlength=rows * 16).reshape(-1, 16).max(axis=1)
+        again = _ranks(np.stack([owners, others], axis=1))
+        keys, shared = np.unique(np.stack([owners // 16, others - owners, again], axis=1), axis=0, return_inverse=True)
+        alike = np.bincount(keys[:, 0], minlength=rows) <= widths
+        in_order = np.lexsort((numbers, owners))
+        ranks = np.empty(len(owners), np.int64)
+        ranks[in_order] = _ranks(owners[in_order][:, None])
+        ranks = np.where(alike[owners // 16], _ranks(keys[:, :1])[shared.ravel()], ranks)
         starts = np.concatenate(([0], np.cumsum(widths)))
-        packs = np.repeat(np.arange(len(widths)), widths)
+        packs = np.repeat(np.arange(rows), widths)
         partners = (packs[:, None] * 16 + np.arange(16)).astype(np.int32)
         links = np.full(partners.shape, -1, np.int32)
-        rows, lanes = starts[owners // 16] + ranks, owners % 16
-        partners[rows, lanes], links[rows, lanes] = others, numbers
+        slots, lanes = starts[owners // 16] + ranks, owners % 16
+        partners[slots, lanes], links[slots, lanes] = others, numbers
         return cls(starts.astype(np.int32), partners, links)
+
+    def steps(self) -> Indices:
+        """How far ahead the partners in each slot stand, all of them; `APART` where that differs."""
+        packs = np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
+        steps = self.partners.astype(np.int64) - (packs[:, None] * 16 + np.arange(16))
+        there = self.links >= 0
+        low = np.where(there, steps, APART).min(axis=1, initial=APART)
+        high = np.where(there, steps, -APART).max(axis=1, initial=-APART)
+        return np.where(low == high, low, APART)
+
+
+def _ranks(rows: Indices) -> Indices:
+    """Of each row of a sorted table, the how manyth of its kind it is, from 0."""
+    if not len(rows):
+        return np.zeros(0, np.int64)
+    first = np.concatenate(([True], (rows[1:] != rows[:-1]).any(axis=1)))
+    places = np.arange(len(rows))
+    return places - np.maximum.accumulate(np.where(first, places, 0))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from particlecli.dynamics.coupled.base import CoupledTerm
 from particlecli.dynamics.coupled.links import Adjacency, Lattice, places
+from particlecli.dynamics.coupled.partner_packs import PartnerPacks
 from particlecli.dynamics.coupled.points import Points
 from particlecli.dynamics.expressions import evaluate
 from particlecli.dynamics.group_plan import LANES, GroupPlan
@@ -43,7 +44,7 @@ class Springs(CoupledTerm[scene.Springs]):
         starts = np.concatenate([table[0] + slot for table, slot in zip(tables, slots, strict=False)])
         self.starts = points.memory.table(ti.i32, starts)
         self._starts = starts
-        partners, *columns = (np.concatenate([table[i] for table in tables]) for i in range(1, 5))
+        partners, steps, *columns = (np.concatenate([table[i] for table in tables]) for i in range(1, 6))
         self.original = partners
         rows = max(1, len(partners))
         self.partners = ti.field(ti.types.vector(LANES, ti.i32), shape=rows)
@@ -52,6 +53,7 @@ class Springs(CoupledTerm[scene.Springs]):
         if len(partners):
             points.memory.view(self.columns, np.stack(columns[: 3 if self.needs_places else 1]))
         self.stiff = ti.field(pack, shape=(4, rows) if plans[0].implicit else (4, 1))
+        self.partner_packs = PartnerPacks(steps, self.partners, points, groups)
         self._partners = points.memory.view(self.partners, partners if len(partners) else None)
 
     def restart(self) -> None:
@@ -141,9 +143,7 @@ class Springs(CoupledTerm[scene.Springs]):
         x, y, z = zero, zero, zero
         first, row = self._place(b)
         for slot in range(self.starts[row], self.starts[row + 1]):
-            qx = self.points.gathered_from(vectors, 0, self.partners[slot], first)
-            qy = self.points.gathered_from(vectors, 1, self.partners[slot], first)
-            qz = self.points.gathered_from(vectors, 2, self.partners[slot], first)
+            qx, qy, qz = self.partner_packs.vectors(vectors, slot, b, first)
             nx, ny, nz, c = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot], self.stiff[3, slot]
             along = nx * qx + ny * qy + nz * qz
             x, y, z = x - along * nx - c * qx, y - along * ny - c * qy, z - along * nz - c * qz
@@ -202,7 +202,10 @@ class Springs(CoupledTerm[scene.Springs]):
 
 
 def _table(spec: scene.Springs, plan: GroupPlan):
-    """Starts and partners as of `Adjacency`; and of each entry the distance at first, s and side, shape (slots, 16)."""
+    """Starts, partners and steps as of `Adjacency`; and of each entry the distance at first, s and side.
+
+    The last three have shape (slots, 16).
+    """
     positions = plan.births.table(0, plan.births.total).positions
     if spec.pairs is not None:
         pairs = np.array(spec.pairs, np.int64)
@@ -220,4 +223,4 @@ def _table(spec: scene.Springs, plan: GroupPlan):
     middles = [each[pairs].mean(axis=1) for each in places(plan.layout, positions.shape[1])]
     # Lanes without a spring have the length and place of the last one, for which a rest length is sure to be finite.
     columns = [(values if len(values) else np.zeros(1))[adjacency.links] for values in (lengths, *middles)]
-    return adjacency.starts, adjacency.partners, *columns
+    return adjacency.starts, adjacency.partners, adjacency.steps(), *columns

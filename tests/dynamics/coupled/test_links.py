@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from particlecli.dynamics.coupled.links import Adjacency, Lattice
+from particlecli.dynamics.coupled.links import APART, Adjacency, Lattice
 
 ALL = ("structural", "shear", "bend")
 
@@ -57,3 +57,19 @@ def test_every_link_is_in_the_table_of_both_its_ends():
                     assert table.partners[slot, lane] == 16 * pack + lane
     right = {(a, b, n) for n, (a, b) in enumerate(pairs)} | {(b, a, n) for n, (a, b) in enumerate(pairs)}
     assert found == right
+
+
+def test_links_of_a_lattice_that_lead_equally_far_share_slots_and_cost_none():
+    lattice = Lattice((40, 1, 7))
+    table = Adjacency.of(lattice.pairs(ALL), 280)
+    steps = table.steps()
+    assert set(steps) <= {1, 2, 39, 40, 41, 80, -1, -2, -39, -40, -41, -80, APART}
+    assert (steps != APART).mean() > 0.8
+    degrees = np.bincount(lattice.pairs(ALL).ravel(), minlength=18 * 16)
+    np.testing.assert_array_equal(np.diff(table.starts), degrees.reshape(-1, 16).max(axis=1))
+
+
+def test_links_between_the_same_two_have_a_slot_each():
+    table = Adjacency.of(np.array([[0, 1], [0, 1], [2, 3]]), 4)
+    np.testing.assert_array_equal(table.links[table.partners == 0], [0, 1])
+    assert table.starts[-1] >= 2
