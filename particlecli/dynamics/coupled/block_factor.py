@@ -1,7 +1,7 @@
 """A factor of a sparse symmetric matrix of 6×6 blocks, and what it solves; every sum in a fixed order.
 
-A = (U + D) D⁻¹ (U + D)ᵀ, column by column; branches of the elimination tree at the same time, then its trunk. It is
-factorized in double precision and solved for in that of the particles.
+A = (U + D) D⁻¹ (U + D)ᵀ, column by column; branches of the elimination tree at the same time, then its trunk. All of
+it is in double precision, for there are stiff springs beside light masses.
 """
 
 import numpy as np
@@ -16,8 +16,9 @@ SIX = 6
 WIDTH = 8
 """A row of a block is a vector of so many lanes, the last two zero."""
 
-SMALLEST = 1e-12
-"""A pivot below this share of what stood on the diagonal is rounding: what it is of does not move."""
+SMALLEST = {ti.f32: 1e-9, ti.f64: 1e-13}
+"""A pivot below this share of what stood on the diagonal is rounding, by the type of the particles' numbers: what it is
+of does not move. Straight chains do not feel a turn about their axis, but for rounding of places."""
 
 
 @ti.data_oriented
@@ -32,7 +33,7 @@ class BlockFactor:
     """
 
     def __init__(self, elimination: Elimination, points: Points) -> None:
-        self.real, integers = points.real, points.memory.table
+        self.smallest, integers = SMALLEST[points.real], points.memory.table
         self.count, self.blocks = elimination.count, len(elimination.rows)
         self.branches, self.trunk = len(elimination.branches) - 1, int(elimination.branches[-1])
         targets = elimination.targets()
@@ -44,13 +45,11 @@ class BlockFactor:
             integers(ti.i32, _some(elimination.blocks)),
         )
         self.target_starts, self.targets = integers(ti.i32, targets[0]), integers(ti.i32, _some(targets[1]))
-        wide, vector = ti.types.vector(WIDTH, ti.f64), ti.types.vector(WIDTH, points.real)
+        wide = ti.types.vector(WIDTH, ti.f64)
         self.values = ti.field(wide, shape=(self.count + self.blocks, SIX))
         self.inverses, self.sizes = ti.field(wide, shape=(self.count, SIX)), ti.field(wide, shape=self.count)
         self.transposed = ti.field(wide, shape=(max(1, self.blocks), SIX))
-        self.forth, self.back = (ti.field(vector, shape=(max(1, self.blocks), SIX)) for _ in range(2))
-        self.own = ti.field(vector, shape=(self.count, SIX))
-        self.halfway, self.solution = ti.field(vector, shape=self.count), ti.field(vector, shape=self.count + 1)
+        self.halfway, self.solution = ti.field(wide, shape=self.count), ti.field(wide, shape=self.count + 1)
         self.parts = ti.field(ti.f64, shape=self.count)
         by_rows = np.empty(self.blocks, np.int64)
         by_rows[elimination.blocks] = np.arange(self.blocks)
@@ -95,7 +94,7 @@ class BlockFactor:
             self.inverses[j, r] = self.values[j, r]
         for p in range(SIX):
             pivot = self.inverses[j, p][p]
-            share = ti.select(pivot > SMALLEST * self.sizes[j][p], 1.0 / pivot, ti.cast(0.0, ti.f64))
+            share = ti.select(pivot > self.smallest * self.sizes[j][p], 1.0 / pivot, ti.cast(0.0, ti.f64))
             scaled = share * self.inverses[j, p]
             for r in range(SIX):
                 if r != p:
@@ -108,26 +107,16 @@ class BlockFactor:
             self.inverses[j, r] = -self.inverses[j, r]
 
     @ti.func
-    def keep(self, e):
-        """Keep block e for solving: first those on the diagonal, then those below it."""
-        for r in ti.static(range(SIX)):
-            if e < self.count:
-                self.own[e, r] = ti.cast(self.inverses[e, r], self.real)
-            else:
-                self.back[e - self.count, r] = ti.cast(self.values[e, r], self.real)
-                self.forth[e - self.count, r] = ti.cast(self.transposed[e - self.count, r], self.real)
-
-    @ti.func
     def descend(self, j, right):
         """Solve for unknowns j with those before: right is what they should give."""
         rest = right
         for f in range(self.row_starts[j], self.row_starts[j + 1]):
             known = self.halfway[self.columns[f]]
             for c in ti.static(range(SIX)):
-                rest -= known[c] * self.forth[f, c]
+                rest -= known[c] * self.transposed[f, c]
         found = self._divided(j, rest)
         self.halfway[j] = found
-        self.parts[j] = ti.cast((rest * found).sum(), ti.f64)
+        self.parts[j] = (rest * found).sum()
 
     @ti.func
     def ascend(self, k):
@@ -136,15 +125,15 @@ class BlockFactor:
         for e in range(self.starts[k], self.starts[k + 1]):
             known = self.solution[self.rows[e]]
             for r in ti.static(range(SIX)):
-                total += known[r] * self.back[e, r]
+                total += known[r] * self.values[self.count + e, r]
         self.solution[k] = self.halfway[k] - self._divided(k, total)
 
     @ti.func
     def _divided(self, j, vector):
         """D_j⁻¹ times a vector."""
-        found = vector[0] * self.own[j, 0]
+        found = vector[0] * self.inverses[j, 0]
         for d in ti.static(range(1, SIX)):
-            found += vector[d] * self.own[j, d]
+            found += vector[d] * self.inverses[j, d]
         return found
 
     @ti.func

@@ -71,8 +71,6 @@ class RigidBodies:
         ti.loop_config(serialize=True)
         for k in range(self.factor.trunk, self.count):
             self.factor.eliminate(k)
-        for e in range(self.count + self.factor.blocks):
-            self.factor.keep(e)
 
     @ti.func
     def begin(self, branch):
@@ -105,12 +103,8 @@ class RigidBodies:
         found = 0.0 * self.factor.halfway[body]
         for m in range(self.equations.member_starts[body], self.equations.member_starts[body + 1]):
             row, lane = self.equations.members[m] >> 4, self.equations.members[m] & 15
-            fx, fy, fz = self.rest[0, row][lane], self.rest[1, row][lane], self.rest[2, row][lane]
-            x, y, z = (
-                self.equations.arms[0, row][lane],
-                self.equations.arms[1, row][lane],
-                self.equations.arms[2, row][lane],
-            )
+            fx, fy, fz = [ti.cast(self.rest[c, row][lane], ti.f64) for c in ti.static(range(3))]
+            x, y, z = [ti.cast(self.equations.arms[c, row][lane], ti.f64) for c in ti.static(range(3))]
             found += ti.Vector([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, 0.0, 0.0])
         return found
 
@@ -121,6 +115,10 @@ class RigidBodies:
         u, v, w, p, q, r = x, x, x, x, x, x
         for lane in range(LANES):
             body = self.owners[row][lane]
-            u[lane], v[lane], w[lane] = [self.factor.solution[body][c] for c in ti.static(range(3))]
-            p[lane], q[lane], r[lane] = [self.factor.solution[body][c] for c in ti.static(range(3, 6))]
+            u[lane], v[lane], w[lane] = [
+                ti.cast(self.factor.solution[body][c], self.rows.points.real) for c in ti.static(range(3))
+            ]
+            p[lane], q[lane], r[lane] = [
+                ti.cast(self.factor.solution[body][c], self.rows.points.real) for c in ti.static(range(3, 6))
+            ]
         return [u + q * z - r * y, v + r * x - p * z, w + p * y - q * x]

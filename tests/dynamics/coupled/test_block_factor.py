@@ -25,8 +25,6 @@ class Solver:
         ti.loop_config(serialize=True)
         for j in range(self.factor.count):
             self.factor.eliminate(j)
-        for e in range(self.factor.count + self.factor.blocks):
-            self.factor.keep(e)
 
     @ti.kernel
     def solve(self, right: ti.types.ndarray(dtype=ti.f64, ndim=2), product: ti.types.ndarray(dtype=ti.f64, ndim=1)):
