@@ -118,10 +118,16 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = AL
         terms: on which schemes are compared.
     """
     search = _Search(scene, pilots, terms)
-    tried = [search.of(scheme) for scheme in terms.candidates if not problems(_with(scene, scheme))]
+    tried = [search.of(scheme) for scheme in terms.candidates if _fits(scene, scheme, terms)]
     best = search.best or min(tried, key=lambda each: math.inf if each.error is None else each.error)
     rejected = [_outdone(each, best) for each in tried if each is not best]
     return Choice(search.goal, best, tuple(rejected), unknown=search.unknown)
+
+
+def _fits(scene: Scene, scheme: Scheme, terms: Terms) -> bool:
+    """Whether a scheme can run a scene, and pilots tell how: sliding on planes shows its first order in the run alone."""
+    slides = terms is ALONE and SCHEMES[scheme].order == 1 and bool(scene.planes)
+    return not slides and not problems(_with(scene, scheme))
 
 
 def _outdone(tried: Tried, best: Tried) -> Tried:
