@@ -125,7 +125,7 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = AL
 
 
 def _fits(scene: Scene, scheme: Scheme, terms: Terms) -> bool:
-    """Whether a scheme can run a scene, and pilots tell how: sliding on planes shows its first order in the run alone."""
+    """Whether a scheme can run a scene, and pilots tell how: what sliding does to first order only a run shows."""
     slides = terms is ALONE and SCHEMES[scheme].order == 1 and bool(scene.planes)
     return not slides and not problems(_with(scene, scheme))
 
