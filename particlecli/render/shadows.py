@@ -41,7 +41,6 @@ class Shadows:
         self._styles = {name: _caster(scene, name) for name in casters(scene)}
         self._ground, self._sun = scene.look.ground, vec3(*scene.look.light.direction)
         self._pyramid = pyramid
-        self._counter = np.zeros(1, np.int32)
 
     def fall(self, frame: Frame, planes: list[Facing], view: View, cover: Floats) -> None:
         """Take from how much lit ground is seen of each pixel, shape (height, width or more), what is in shadow."""
@@ -59,7 +58,7 @@ class Shadows:
             batch.draw()
             pyramid.collapse(onto=0)
             shade(
-                pyramid.arena.light, self._counter, level.origin, level.pitch, float(CELLS), row, rays,
+                pyramid.arena.light, level.origin, level.pitch, float(CELLS), row, rays,
                 np.ascontiguousarray(plane.cover, np.float32), cover, view.width, view.height,
             )  # fmt: skip
 
@@ -72,7 +71,7 @@ class Shadows:
             place = batch.take(count)
             cast(
                 first, count, particles.positions, particles.ages, particles.lifetimes, particles.ids, shot, self._sun,
-                self._counter, batch.store.sprites, place, one_in, fading,
+                batch.store.sprites, place, one_in, fading,
             )  # fmt: skip
             batch.add(POOLED, Span(place, place + count, 0, halo=0.0))
 

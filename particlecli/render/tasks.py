@@ -25,9 +25,3 @@ WORKERS = 64
 
 CHUNK = 8192
 """Particles, or nodes, that make one task."""
-
-GRAIN = 512
-"""Turns of a loop without that setting that make one block."""
-
-LANES = WORKERS * GRAIN
-"""Turns of a loop of which every GRAINth is a worker."""

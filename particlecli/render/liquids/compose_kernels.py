@@ -2,8 +2,7 @@
 
 import taichi as ti
 
-from particlecli.render.arrays import Integers, Rows, vec3, vec4
-from particlecli.render.tasks import GRAIN, LANES
+from particlecli.render.arrays import Rows, vec3, vec4
 
 
 @ti.func
@@ -41,7 +40,7 @@ def _over_planes(x, y, z, planes: ti.template(), hiding, rays: ti.template()):
 def compose(
     lit: ti.template(), shape: ti.template(), held: ti.template(), opened: ti.template(), color: ti.template(),
     depth: ti.template(), sky: Rows, cover: Rows, width: ti.i32, height: ti.i32, bending: ti.f32, planes: Rows,
-    hiding: ti.i32, rays: Rows, counter: Integers,
+    hiding: ti.i32, rays: Rows,
 ):  # fmt: skip
     """Lay a surface into a layer of bodies, before or behind what is there.
 
@@ -58,33 +57,30 @@ def compose(
         for x in range(width):
             held[y * width + x] = color[y * width + x]
             opened[y * width + x] = vec3(sky[y, x], cover[y, x], depth[y * width + x])
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            y = ti.atomic_add(counter[0], 1)
-            while y < height:
-                for x in range(width):
-                    node = y * width + x
-                    here = shape[node]
-                    if here[0] > 0.0:
-                        z = here[3]
-                        light, covered = _edge(node, x, y, width, height, lit, shape)
-                        covered = covered * _over_planes(x, y, z, planes, hiding, rays)
-                        old, before = color[node], depth[node]
-                        hides = covered * light[3]
-                        if before < z:
-                            color[node] = old + vec4(light[0], light[1], light[2], -light[3]) * (covered * old[3])
-                        else:
-                            if bending > 0.0:
-                                i = ti.min(ti.max(x - ti.cast(ti.round(bending * here[1]), ti.i32), 0), width - 1)
-                                j = ti.min(ti.max(y - ti.cast(ti.round(bending * here[2]), ti.i32), 0), height - 1)
-                                other = j * width + i
-                                if opened[other][2] > z:
-                                    old = old + (held[other] - old) * covered
-                                    seen = opened[node] + (opened[other] - opened[node]) * covered
-                                    sky[y, x] = seen[0]
-                                    cover[y, x] = seen[1]
-                            color[node] = vec4(light[0], light[1], light[2], 0.0) * covered + old * (1.0 - hides)
-                        if (old[3] >= 0.5) & (old[3] * (1.0 - hides) < 0.5):
-                            depth[node] = ti.min(before, z)
-                y = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    ti.loop_config(block_dim=1)
+    for y in range(height):
+        for x in range(width):
+            node = y * width + x
+            here = shape[node]
+            if here[0] > 0.0:
+                z = here[3]
+                light, covered = _edge(node, x, y, width, height, lit, shape)
+                covered = covered * _over_planes(x, y, z, planes, hiding, rays)
+                old, before = color[node], depth[node]
+                hides = covered * light[3]
+                if before < z:
+                    color[node] = old + vec4(light[0], light[1], light[2], -light[3]) * (covered * old[3])
+                else:
+                    if bending > 0.0:
+                        i = ti.min(ti.max(x - ti.cast(ti.round(bending * here[1]), ti.i32), 0), width - 1)
+                        j = ti.min(ti.max(y - ti.cast(ti.round(bending * here[2]), ti.i32), 0), height - 1)
+                        other = j * width + i
+                        if opened[other][2] > z:
+                            old = old + (held[other] - old) * covered
+                            seen = opened[node] + (opened[other] - opened[node]) * covered
+                            sky[y, x] = seen[0]
+                            cover[y, x] = seen[1]
+                    color[node] = vec4(light[0], light[1], light[2], 0.0) * covered + old * (1.0 - hides)
+                if (old[3] >= 0.5) & (old[3] * (1.0 - hides) < 0.5):
+                    depth[node] = ti.min(before, z)

@@ -24,7 +24,7 @@ from particlecli.render.liquids.records import (
 from particlecli.render.project import on_picture, radiance, table_place, vector
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.solids.sorting import key_of
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK
 
 SMALLEST = 0.8
 """Smaller blobs are drawn with this radius, pixels, and hide accordingly less."""
@@ -73,7 +73,7 @@ def _stretched(speed, stretch, scale, drawn, lens):
 @ti.kernel
 def put_blobs(
     count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row, shot: Row,
-    planes: Rows, occluders: ti.i32, colors: Rows, counter: Integers, rows: Rows, keys: Shorts, source: ti.i32,
+    planes: Rows, occluders: ti.i32, colors: Rows, rows: Rows, keys: Shorts, source: ti.i32,
     fading: ti.i32, reach: ti.f32, stretch: ti.f32,
 ):  # fmt: skip
     """Rows of `count` particles, see `records`, and keys of their depths; those that are not seen reach nowhere.
@@ -88,47 +88,43 @@ def put_blobs(
         reach: of the density, radii.
         stretch: s.
     """
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            lens, paint = lens_in(shot), paint_in(shot)
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk * CHUNK < count:
-                for i in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-                    point = vector(positions, i) - lens.origin
-                    depth = point.dot(lens.forward)
-                    place, scale, seen = on_picture(point, lens)
-                    there = seen * radiance(i, ages, lifetimes, paint, fading)
-                    radius = ti.min(paint.radius * scale + paint.pixels, lens.largest) * ti.sqrt(there)
-                    for p in range(occluders):
-                        height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
-                        if height * scale < -radius:
-                            there = 0.0
-                    drawn = ti.max(radius, SMALLEST)
-                    size = reach * drawn
-                    along, ratio = vec3(0.0), 1.0
-                    if stretch > 0.0:
-                        ratio, along = _stretched(vector(velocities, i), stretch, scale, drawn, lens)
-                    grown = drawn / (drawn + EDGE)
-                    wide = size / grown * _reach(ratio, along[0])
-                    high = size / grown * _reach(ratio, along[1])
-                    inside = (
-                        (ti.abs(place[0] - lens.center_x) < lens.center_x + wide)
-                        & (ti.abs(place[1] - lens.center_y) < lens.center_y + high)
-                        & (there > FAINTEST)
-                    )
-                    rows[i, EY] = -1.0
-                    keys[i] = ti.cast(key_of(depth, lens.near), ti.u16)
-                    if inside:
-                        tint = ti.cast(
-                            table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32
-                        )
-                        _set_shape(i, rows, size, grown, ratio, along, scale)
-                        values = (
-                            (X, place[0]), (Y, place[1]), (DEPTH, depth), (EX, wide), (EY, high),
-                            (SHARE, radius * radius / (drawn * drawn)), (RED, colors[tint, 0]),
-                            (GREEN, colors[tint, 1]), (BLUE, colors[tint, 2]),
-                        )  # fmt: skip
-                        for k, value in ti.static(values):
-                            rows[i, k] = value
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range((count + CHUNK - 1) // CHUNK):
+        lens, paint = lens_in(shot), paint_in(shot)
+        for i in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
+            point = vector(positions, i) - lens.origin
+            depth = point.dot(lens.forward)
+            place, scale, seen = on_picture(point, lens)
+            there = seen * radiance(i, ages, lifetimes, paint, fading)
+            radius = ti.min(paint.radius * scale + paint.pixels, lens.largest) * ti.sqrt(there)
+            for p in range(occluders):
+                height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
+                if height * scale < -radius:
+                    there = 0.0
+            drawn = ti.max(radius, SMALLEST)
+            size = reach * drawn
+            along, ratio = vec3(0.0), 1.0
+            if stretch > 0.0:
+                ratio, along = _stretched(vector(velocities, i), stretch, scale, drawn, lens)
+            grown = drawn / (drawn + EDGE)
+            wide = size / grown * _reach(ratio, along[0])
+            high = size / grown * _reach(ratio, along[1])
+            inside = (
+                (ti.abs(place[0] - lens.center_x) < lens.center_x + wide)
+                & (ti.abs(place[1] - lens.center_y) < lens.center_y + high)
+                & (there > FAINTEST)
+            )
+            rows[i, EY] = -1.0
+            keys[i] = ti.cast(key_of(depth, lens.near), ti.u16)
+            if inside:
+                tint = ti.cast(
+                    table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32
+                )
+                _set_shape(i, rows, size, grown, ratio, along, scale)
+                values = (
+                    (X, place[0]), (Y, place[1]), (DEPTH, depth), (EX, wide), (EY, high),
+                    (SHARE, radius * radius / (drawn * drawn)), (RED, colors[tint, 0]),
+                    (GREEN, colors[tint, 1]), (BLUE, colors[tint, 2]),
+                )  # fmt: skip
+                for k, value in ti.static(values):
+                    rows[i, k] = value

@@ -23,7 +23,7 @@ from particlecli.render.liquids.density import (
 from particlecli.render.liquids.lighting import COARSE, LINES, OPAQUE, ROWS, add_thickness, light
 from particlecli.render.liquids.records import EY, Y
 from particlecli.render.shot import lens_in
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK, WORKERS
 
 CLIMBS = 3
 """Steps to the surface at most, before the one that lighting takes."""
@@ -155,53 +155,46 @@ def draw_surface(
         lit, shape: see `Room`.
     """
     chunks, bands = (count + CHUNK - 1) // CHUNK, (height + ROWS - 1) // ROWS
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                clear_counts(chunk, bands, counts)
-                _take_to_bands(chunk, count, ranked, rows, counts, order, bands, False)
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range(chunks):
+        clear_counts(chunk, bands, counts)
+        _take_to_bands(chunk, count, ranked, rows, counts, order, bands, False)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        counter[0] = 0 if begin(chunks, bands, counts) <= order.shape[0] else chunks
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                _take_to_bands(chunk, count, ranked, rows, counts, order, bands, True)
-                chunk = ti.atomic_add(counter[0], 1)
+        counter[0] = chunks if begin(chunks, bands, counts) <= order.shape[0] else 0
+    ti.loop_config(block_dim=1)
+    for chunk in range(counter[0]):
+        _take_to_bands(chunk, count, ranked, rows, counts, order, bands, True)
     counter[0] = 0 if counts[chunks * bands + bands] <= order.shape[0] else bands
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            worker, packs, lens = lane // GRAIN, (width + PACK - 1) // PACK, lens_in(lens_row)
-            squares = (width + COARSE - 1) // COARSE + 2
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        packs, lens = (width + PACK - 1) // PACK, lens_in(lens_row)
+        squares = (width + COARSE - 1) // COARSE + 2
+        band = ti.atomic_add(counter[0], 1)
+        while band < bands:
+            top, bottom = band * ROWS, ti.min(band * ROWS + ROWS, height)
+            first, end = counts[chunks * bands + band], counts[chunks * bands + band + 1]
+            for node in range(top * width, bottom * width):
+                shape[node] = vec4(0.0, 0.0, 0.0, FAR)
+            size = (bottom - top) * packs
+            if first < end:
+                met = _enter_all(
+                    first, end, order, others, rows, top, bottom, packs, worker, cells, farthest, visits, limits,
+                    level, lowest,
+                )  # fmt: skip
+                if opacity_depth < OPAQUE:
+                    _measure_thickness(first, end, order, rows, top, squares, worker, thick)
+                _find(
+                    first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits,
+                    level,
+                )  # fmt: skip
+                for cell in range(size):
+                    if farthest[worker, cell] > -FAR:
+                        y, x = top + cell // packs, cell % packs * PACK
+                        for at in range(ti.min(PACK, width - x)):
+                            if (cells[worker, cell, NEAR][at] < 0.5 * FAR) & (cells[worker, cell, F][at] > 0.0):
+                                light(
+                                    x + at, y, top, squares, cell, at, worker, cells, thick, table, lens, level,
+                                    opacity_depth, metal, y * width + x + at, lit, shape,
+                                )  # fmt: skip
             band = ti.atomic_add(counter[0], 1)
-            while band < bands:
-                top, bottom = band * ROWS, ti.min(band * ROWS + ROWS, height)
-                first, end = counts[chunks * bands + band], counts[chunks * bands + band + 1]
-                for node in range(top * width, bottom * width):
-                    shape[node] = vec4(0.0, 0.0, 0.0, FAR)
-                size = (bottom - top) * packs
-                if first < end:
-                    met = _enter_all(
-                        first, end, order, others, rows, top, bottom, packs, worker, cells, farthest, visits, limits,
-                        level, lowest,
-                    )  # fmt: skip
-                    if opacity_depth < OPAQUE:
-                        _measure_thickness(first, end, order, rows, top, squares, worker, thick)
-                    _find(
-                        first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits,
-                        level,
-                    )  # fmt: skip
-                    for cell in range(size):
-                        if farthest[worker, cell] > -FAR:
-                            y, x = top + cell // packs, cell % packs * PACK
-                            for at in range(ti.min(PACK, width - x)):
-                                if (cells[worker, cell, NEAR][at] < 0.5 * FAR) & (cells[worker, cell, F][at] > 0.0):
-                                    light(
-                                        x + at, y, top, squares, cell, at, worker, cells, thick, table, lens, level,
-                                        opacity_depth, metal, y * width + x + at, lit, shape,
-                                    )  # fmt: skip
-                band = ti.atomic_add(counter[0], 1)

@@ -44,7 +44,6 @@ class Billboards(Body):
     def __init__(self, subject: Subject) -> None:
         super().__init__(subject)
         self._colors = subject.colors
-        self._counter = np.zeros(1, np.int32)
 
     def aim(self, view: View) -> Floats:
         """Take a camera's view."""
@@ -69,7 +68,7 @@ class Billboards(Body):
         aged = particles.has_lifetimes and self.pictures > 1
         put_billboards(
             records.take(particles.count), particles.count, *particles.arrays, particles.ids,
-            self._shots[particles.relative], self.planes, self.hiding, self._colors, self._counter, records.heads,
+            self._shots[particles.relative], self.planes, self.hiding, self._colors, records.heads,
             records.rows, particles.source(tint), self.subject.fades and particles.has_lifetimes, aged, self.place,
             float(self.pictures), style.sheet_rate or 0.0, style.spin or 0.0, style.spin is not None, self.spread,
             self.small, self._means, self._hides,

@@ -89,7 +89,7 @@ class Blobs:
         self._find(len(group), room)
         compose(
             room.lit, room.shape, room.held, room.opened, layer.fields.color, layer.fields.depth, sky, cover,
-            self._width, self._height, self._bending, planes, hiding, self._rays, self._counter,
+            self._width, self._height, self._bending, planes, hiding, self._rays,
         )  # fmt: skip
 
     def _put(self, group: GroupFrame, planes: Floats, hiding: int) -> None:
@@ -100,7 +100,7 @@ class Blobs:
             self._keys = np.zeros(particles.count, np.uint16)
         put_blobs(
             particles.count, *particles.arrays, self._shots[particles.relative], planes, hiding, self._colors,
-            self._counter, self._rows, self._keys, particles.source(tint),
+            self._rows, self._keys, particles.source(tint),
             self.subject.fades and particles.has_lifetimes, self._reach, stretch,
         )  # fmt: skip
 

@@ -4,7 +4,7 @@ import math
 
 import taichi as ti
 
-from particlecli.render.arrays import Ids, Integers, Row, Rows, vec3
+from particlecli.render.arrays import Ids, Row, Rows, vec3
 from particlecli.render.project import above, on_picture, radiance, table_place, vector
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.solids.draw_billboards import drawn_as
@@ -28,7 +28,7 @@ from particlecli.render.solids.records import (
     X,
     Y,
 )
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK
 
 FAINTEST = 1 / 512
 """What hides less is not drawn."""
@@ -93,7 +93,7 @@ def _set_row(
 @ti.kernel
 def put_billboards(
     first: ti.i32, count: ti.i32, positions: Rows, velocities: Rows, quantity: Row, ages: Row, lifetimes: Row,
-    ids: Ids, shot: Row, planes: Rows, occluders: ti.i32, colors: Rows, counter: Integers, heads: Rows, rows: Rows,
+    ids: Ids, shot: Row, planes: Rows, occluders: ti.i32, colors: Rows, heads: Rows, rows: Rows,
     source: ti.i32, fading: ti.i32, aged: ti.i32, look: ti.i32, pictures: ti.f32, rate: ti.f32, spin: ti.f32,
     turned: ti.i32, spread: ti.f32, small: ti.f32, means: Rows, hides: ti.f32,
 ):  # fmt: skip
@@ -112,43 +112,39 @@ def put_billboards(
             hides, and the light that does not (3).
         hides: share of what pictures hide.
     """
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            lens, paint = lens_in(shot), paint_in(shot)
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk * CHUNK < count:
-                for i in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-                    point = vector(positions, i) - lens.origin
-                    depth = point.dot(lens.forward)
-                    place, scale, seen = on_picture(point, lens)
-                    sharp = ti.min(paint.radius * scale + paint.pixels, lens.largest)
-                    for p in range(occluders):
-                        height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
-                        seen = seen * above(height, sharp / scale)
-                    whole = seen * radiance(i, ages, lifetimes, paint, fading)
-                    blur = ti.abs(lens.blur * (lens.focus - 1.0 / ti.max(depth, lens.near)))
-                    radius, alpha = drawn_as(sharp, blur, whole)
-                    extent = radius + 0.5
-                    if radius >= small:
-                        extent = spread * extent + ti.min(blur, radius)
-                    body = first + i
-                    heads[body, EXTENT] = 0.0
-                    if (
-                        (ti.abs(place[0] - lens.center_x) < lens.center_x + extent)
-                        & (ti.abs(place[1] - lens.center_y) < lens.center_y + extent)
-                        & (whole > FAINTEST)
-                    ):
-                        at = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
-                        tint = vec3(colors[at, 0], colors[at, 1], colors[at, 2])
-                        picture = _picture(i, ages, lifetimes, ids, pictures, rate, aged)
-                        for k, value in ti.static(((X, place[0]), (Y, place[1]), (DEPTH, depth), (EXTENT, extent))):
-                            heads[body, k] = value
-                        if radius < small:
-                            _set_speck(body, heads, means, ti.cast(picture, ti.i32), tint, alpha, hides)
-                        else:
-                            angle = 0.0
-                            if turned:
-                                angle = _turn(ids[i], ages[i if spin > 0.0 else 0], spin)
-                            _set_row(body, heads, rows, look, sharp, angle, picture, whole, tint, blur)
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range((count + CHUNK - 1) // CHUNK):
+        lens, paint = lens_in(shot), paint_in(shot)
+        for i in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
+            point = vector(positions, i) - lens.origin
+            depth = point.dot(lens.forward)
+            place, scale, seen = on_picture(point, lens)
+            sharp = ti.min(paint.radius * scale + paint.pixels, lens.largest)
+            for p in range(occluders):
+                height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
+                seen = seen * above(height, sharp / scale)
+            whole = seen * radiance(i, ages, lifetimes, paint, fading)
+            blur = ti.abs(lens.blur * (lens.focus - 1.0 / ti.max(depth, lens.near)))
+            radius, alpha = drawn_as(sharp, blur, whole)
+            extent = radius + 0.5
+            if radius >= small:
+                extent = spread * extent + ti.min(blur, radius)
+            body = first + i
+            heads[body, EXTENT] = 0.0
+            if (
+                (ti.abs(place[0] - lens.center_x) < lens.center_x + extent)
+                & (ti.abs(place[1] - lens.center_y) < lens.center_y + extent)
+                & (whole > FAINTEST)
+            ):
+                at = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
+                tint = vec3(colors[at, 0], colors[at, 1], colors[at, 2])
+                picture = _picture(i, ages, lifetimes, ids, pictures, rate, aged)
+                for k, value in ti.static(((X, place[0]), (Y, place[1]), (DEPTH, depth), (EXTENT, extent))):
+                    heads[body, k] = value
+                if radius < small:
+                    _set_speck(body, heads, means, ti.cast(picture, ti.i32), tint, alpha, hides)
+                else:
+                    angle = 0.0
+                    if turned:
+                        angle = _turn(ids[i], ages[i if spin > 0.0 else 0], spin)
+                    _set_row(body, heads, rows, look, sharp, angle, picture, whole, tint, blur)

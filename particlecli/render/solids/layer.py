@@ -112,7 +112,7 @@ class Layer:
         """Lay the bodies over a picture's light, and over how much of sky and ground is seen of each pixel."""
         finest = pyramid.levels[0]
         lay(
-            self.fields.color, pyramid.arena.light, self._counter, finest.origin, finest.pitch, self._width,
+            self.fields.color, pyramid.arena.light, finest.origin, finest.pitch, self._width,
             self._height, sky, cover,
         )  # fmt: skip
 
@@ -121,5 +121,5 @@ class Layer:
         origin = np.zeros(3) if particles.relative else view.position
         hide(
             first, count, particles.positions, *origin.tolist(), *view.forward.tolist(), self._width, self._height,
-            self.fields.color, self.fields.depth, store.sprites, place, self._counter,
+            self.fields.color, self.fields.depth, store.sprites, place,
         )  # fmt: skip

@@ -20,7 +20,7 @@ from particlecli.render.solids.tiles import (
     start_tile,
     tile_of,
 )
-from particlecli.render.tasks import CHUNK, GRAIN, LANES
+from particlecli.render.tasks import CHUNK, WORKERS
 
 BILLBOARDS, PIECES, TRIANGLES = range(3)
 """Kinds of bodies."""
@@ -99,39 +99,31 @@ def draw_bodies(
     chunks = (count + CHUNK - 1) // CHUNK
     across, down = tiles_across(width), tiles_across(height)
     tiles = across * down
-    counter[0] = 0
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                clear_counts(chunk, tiles, counts)
-                count_touched(chunk, count, heads, counts, across, down)
-                chunk = ti.atomic_add(counter[0], 1)
+    ti.loop_config(block_dim=1)
+    for chunk in range(chunks):
+        clear_counts(chunk, tiles, counts)
+        count_touched(chunk, count, heads, counts, across, down)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        counter[0] = 0 if begin(chunks, tiles, counts) <= sorted_heads.shape[0] else chunks
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            chunk = ti.atomic_add(counter[0], 1)
-            while chunk < chunks:
-                copy_heads(chunk, count, heads, counts, sorted_heads, across, down)
-                chunk = ti.atomic_add(counter[0], 1)
+        counter[0] = chunks if begin(chunks, tiles, counts) <= sorted_heads.shape[0] else 0
+    ti.loop_config(block_dim=1)
+    for chunk in range(counter[0]):
+        copy_heads(chunk, count, heads, counts, sorted_heads, across, down)
     counter[0] = 0 if counts[chunks * tiles + tiles] <= sorted_heads.shape[0] else tiles
-    for lane in range(LANES):
-        if lane % GRAIN == 0:
-            worker = lane // GRAIN
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        number = ti.atomic_add(counter[0], 1)
+        while number < tiles:
+            tile = tile_of(number, across, width, height, worker)
+            first, end = counts[chunks * tiles + number], counts[chunks * tiles + number + 1]
+            if first == end:
+                empty_tile(tile, width, color, depth)
+            else:
+                start_tile(tile, worker, store, still_open)
+                sort_by_depth(first, end, near, worker, sorted_heads, keys, digits, order)
+                _draw_all(
+                    first, end, worker, order, sorted_heads, rows, tile, store, still_open, looks, caps, sheets,
+                    kinds,
+                )  # fmt: skip
+                copy_tile(tile, width, store, color, depth)
             number = ti.atomic_add(counter[0], 1)
-            while number < tiles:
-                tile = tile_of(number, across, width, height, worker)
-                first, end = counts[chunks * tiles + number], counts[chunks * tiles + number + 1]
-                if first == end:
-                    empty_tile(tile, width, color, depth)
-                else:
-                    start_tile(tile, worker, store, still_open)
-                    sort_by_depth(first, end, near, worker, sorted_heads, keys, digits, order)
-                    _draw_all(
-                        first, end, worker, order, sorted_heads, rows, tile, store, still_open, looks, caps, sheets,
-                        kinds,
-                    )  # fmt: skip
-                    copy_tile(tile, width, store, color, depth)
-                number = ti.atomic_add(counter[0], 1)
