@@ -29,13 +29,11 @@ def draw_discs(store: Store, which: int, spans: Sequence[Span], pyramid: Pyramid
     bands = finest.rows // BAND
     sorting = (store.sprites, store.records, store.counts, finest.pitch, bands)
 
-    def draw(chunks: Chunks) -> int:
-        for placing in (False, True):
-            sort_discs(chunks, which, *sorting, total, placing)
-            needed = int(total[0])
-            if needed > store.room:
-                return needed
-        splat_discs(chunks, which, *sorting, pyramid.arena.light, finest.offset, colors)
-        return needed
+    def sort(chunks: Chunks, placing: bool) -> int:
+        sort_discs(chunks, which, *sorting, total, placing)
+        return int(total[0])
 
-    draw_in_parts(spans, store, bands, draw)
+    def add(chunks: Chunks) -> None:
+        splat_discs(chunks, which, *sorting, pyramid.arena.light, finest.offset, colors)
+
+    draw_in_parts(spans, store, bands, sort, add)

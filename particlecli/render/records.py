@@ -19,13 +19,13 @@ SMEARED_CHUNK = CHUNK // 4
 Chunks = NDArray[np.float32]
 """Sprites that one worker sorts in one go, a row for each chunk."""
 
-Draw = Callable[[Chunks], int]
-"""Sorts and draws the sprites of some chunks; tells how many records that takes. Where the store has no room for so
-many, it draws nothing."""
+Sort = Callable[[Chunks, bool], int]
+"""Counts the records that sprites of some chunks make, or, once that is done, puts them in their places; tells how many
+there are."""
 
 
-def draw_in_parts(spans: Sequence[Span], store: Store, bins: int, draw: Draw) -> None:
-    """Draw sprites in their order, sorted into so many bins, at once if possible.
+def draw_in_parts(spans: Sequence[Span], store: Store, bins: int, sort: Sort, splat: Callable[[Chunks], None]) -> None:
+    """Draw sprites in their order, sorted into so many bins, at once if the store has room for their records.
 
     A few sprites always have room: none takes more than a few thousand records.
     """
@@ -34,11 +34,18 @@ def draw_in_parts(spans: Sequence[Span], store: Store, bins: int, draw: Draw) ->
     parts = [chunks[first : first + most] for first in range(0, len(chunks), most)]
     while parts:
         part = parts.pop(0)
-        needed = draw(part)
+        needed = sort(part, False)
         if needed > store.room:
-            pieces = 2 * needed // store.room
-            finer = part if len(part) >= pieces else np.concatenate([_cut(row, pieces) for row in part])
-            parts[:0] = [finer[rows] for rows in np.array_split(np.arange(len(finer)), min(pieces, len(finer)))]
+            parts[:0] = _split(part, 2 * needed // store.room)
+        else:
+            sort(part, True)
+            splat(part)
+
+
+def _split(chunks: Chunks, pieces: int) -> list[Chunks]:
+    """Chunks in several parts, cut themselves where they are fewer."""
+    finer = chunks if len(chunks) >= pieces else np.concatenate([_cut(row, pieces) for row in chunks])
+    return [finer[rows] for rows in np.array_split(np.arange(len(finer)), min(pieces, len(finer)))]
 
 
 def _chunks(span: Span) -> Iterator[tuple[float, ...]]:

@@ -27,15 +27,13 @@ def draw_soft(store: Store, which: int, spans: Sequence[Span], pyramid: Pyramid,
     last = len(pyramid.levels) - 1
     sorting = (store.records, store.counts, pyramid.table, last)
 
-    def draw(chunks: Chunks) -> int:
-        for placing in (False, True):
-            sort_soft(chunks, which, store.sprites, *sorting, total, placing)
-            needed = int(total[0])
-            if needed > store.room:
-                return needed
+    def sort(chunks: Chunks, placing: bool) -> int:
+        sort_soft(chunks, which, store.sprites, *sorting, total, placing)
+        return int(total[0])
+
+    def add(chunks: Chunks) -> None:
         for parity in (0, 1):
             tasks = sum((level.bands + 1 - parity) // 2 for level in pyramid.levels)
             splat(chunks, *sorting, pyramid.arena.light, colors, parity, tasks)
-        return needed
 
-    draw_in_parts(spans, store, pyramid.bins, draw)
+    draw_in_parts(spans, store, pyramid.bins, sort, add)
