@@ -43,9 +43,10 @@ def draw_in_parts(spans: Sequence[Span], store: Store, bins: int, sort: Sort, sp
 
 
 def _split(chunks: Chunks, pieces: int) -> list[Chunks]:
-    """Chunks in several parts, cut themselves where they are fewer."""
+    """Chunks in several parts, of no more chunks than there were; they are cut themselves where they are fewer."""
     finer = chunks if len(chunks) >= pieces else np.concatenate([_cut(row, pieces) for row in chunks])
-    return [finer[rows] for rows in np.array_split(np.arange(len(finer)), min(pieces, len(finer)))]
+    parts = min(max(pieces, -(-len(finer) // len(chunks))), len(finer))
+    return [finer[rows] for rows in np.array_split(np.arange(len(finer)), parts)]
 
 
 def _chunks(span: Span) -> Iterator[tuple[float, ...]]:
