@@ -12,7 +12,7 @@ import taichi as ti
 from particlecli.dynamics.coupled.blocks import inverted, product
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
 from particlecli.dynamics.coupled.rigid_bodies import RigidBodies
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
 from particlecli.dynamics.coupled.springs import Springs
 from particlecli.dynamics.coupled.step import Step
@@ -51,7 +51,6 @@ class Krylov:
         self.parts = ti.field(ti.f64, shape=(3, packs))
         self.numbers = ti.field(ti.f64, shape=6)
         self.found = self.points.memory.view(self.numbers)
-        self.counter = ti.field(ti.i32, shape=3)
         self.epsilon = EPSILON[step.real]
         springs = [term for term in self.motion.terms if isinstance(term, Springs)]
         self.bodies = RigidBodies(SpringRows(springs, self.points), self.ending.pins, self.alone)
@@ -75,27 +74,17 @@ class Krylov:
     @ti.kernel
     def evaluate(self, i: ti.i32, packs: ti.i32, time: ti.f64):
         """Accelerations at an explicit stage."""
-        self.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                first = ti.atomic_add(self.counter[0], SHARE)
-                while first < packs:
-                    for b in range(first, ti.min(first + SHARE, packs)):
-                        self.step.evaluate(i, b, ti.cast(time, self.real))
-                    first = ti.atomic_add(self.counter[0], SHARE)
+        ti.loop_config(block_dim=SHARE)
+        for b in range(packs):
+            self.step.evaluate(i, b, ti.cast(time, self.real))
 
     @ti.kernel
     def linearize(self, i: ti.i32, packs: ti.i32, time: ti.f64, by_position: ti.f64, by_velocity: ti.f64):
         """Newton's equations at stage i; the factors are h² a², s², and h a, s."""
-        self.counter[0] = 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                first = ti.atomic_add(self.counter[0], SHARE)
-                while first < packs:
-                    for b in range(first, ti.min(first + SHARE, packs)):
-                        t = ti.cast(time, self.real)
-                        self._linearize(i, b, t, ti.cast(by_position, self.real), ti.cast(by_velocity, self.real))
-                    first = ti.atomic_add(self.counter[0], SHARE)
+        ti.loop_config(block_dim=SHARE)
+        for b in range(packs):
+            t = ti.cast(time, self.real)
+            self._linearize(i, b, t, ti.cast(by_position, self.real), ti.cast(by_velocity, self.real))
 
     @ti.func
     def _linearize(self, i, b, t, by_position, by_velocity):
@@ -134,36 +123,25 @@ class Krylov:
     @ti.kernel
     def iterate(self, packs: ti.i32, begun: ti.i32):
         """An iteration of conjugate gradients (Hestenes & Stiefel 1952); or, not begun, make it ready."""
-        self.counter[0], self.counter[1], self.counter[2] = 0, 0, 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                first = ti.atomic_add(self.counter[0], SHARE)
-                while first < packs * begun:
-                    for b in range(first, ti.min(first + SHARE, packs)):
-                        self._multiply(b)
-                    first = ti.atomic_add(self.counter[0], SHARE)
+        ti.loop_config(block_dim=SHARE)
+        for b in range(packs * begun):
+            self._multiply(b)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._measure_step(packs * begun)
         for b in range(packs):
             self._advance(b)
         if ti.static(self.bodies.count > 0):
-            for turn in range(TURNS):
-                if turn % GRAIN == 0:
-                    branch = ti.atomic_add(self.counter[1], 1)
-                    while branch < self.bodies.factor.branches:
-                        self.bodies.begin(branch)
-                        branch = ti.atomic_add(self.counter[1], 1)
+            ti.loop_config(block_dim=1)
+            for branch in range(self.bodies.factor.branches):
+                self.bodies.begin(branch)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._measure_turn(packs, begun)
         if ti.static(self.bodies.count > 0):
-            for turn in range(TURNS):
-                if turn % GRAIN == 0:
-                    branch = ti.atomic_add(self.counter[2], 1)
-                    while branch < self.bodies.factor.branches:
-                        self.bodies.end(branch)
-                        branch = ti.atomic_add(self.counter[2], 1)
+            ti.loop_config(block_dim=1)
+            for branch in range(self.bodies.factor.branches):
+                self.bodies.end(branch)
         for b in range(packs):
             self._turn(b)
 

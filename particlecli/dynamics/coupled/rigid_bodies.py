@@ -14,7 +14,7 @@ from particlecli.dynamics.coupled.block_factor import BlockFactor
 from particlecli.dynamics.coupled.bodies import bodies
 from particlecli.dynamics.coupled.body_equations import BodyEquations
 from particlecli.dynamics.coupled.pins import Pins
-from particlecli.dynamics.coupled.sharing import GRAIN, SHARE, TURNS
+from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
 from particlecli.dynamics.group_plan import LANES
 
@@ -43,7 +43,6 @@ class RigidBodies:
             self.rest = ti.field(ti.types.vector(LANES, rows.points.real), shape=(3, rows.count))
             self.owners = ti.field(ti.types.vector(LANES, ti.i32), shape=rows.count)
             rows.points.memory.view(self.owners, np.where(owners >= 0, owners, self.count).reshape(-1, LANES))
-            self.counters = ti.field(ti.i32, shape=2)
 
     @ti.kernel
     def refresh(self):
@@ -53,21 +52,13 @@ class RigidBodies:
         for j in ti.static(range(len(self.rows.springs))):
             for e in range(self.equations.links[j], self.equations.links[j + 1]):
                 self.equations.load(j, e)
-        self.counters[0], self.counters[1] = 0, 0
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                first = ti.atomic_add(self.counters[1], SHARE)
-                while first < self.count + self.factor.blocks:
-                    for block in range(first, ti.min(first + SHARE, self.count + self.factor.blocks)):
-                        self.equations.assemble(self.factor.values, block)
-                    first = ti.atomic_add(self.counters[1], SHARE)
-        for turn in range(TURNS):
-            if turn % GRAIN == 0:
-                branch = ti.atomic_add(self.counters[0], 1)
-                while branch < self.factor.branches:
-                    for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
-                        self.factor.eliminate(k)
-                    branch = ti.atomic_add(self.counters[0], 1)
+        ti.loop_config(block_dim=SHARE)
+        for block in range(self.count + self.factor.blocks):
+            self.equations.assemble(self.factor.values, block)
+        ti.loop_config(block_dim=1)
+        for branch in range(self.factor.branches):
+            for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
+                self.factor.eliminate(k)
         ti.loop_config(serialize=True)
         for k in range(self.factor.trunk, self.count):
             self.factor.eliminate(k)

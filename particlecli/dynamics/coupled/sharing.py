@@ -26,7 +26,3 @@ SHARE = 4
 
 WORKERS = 32
 """Most threads that share the work of a kernel with workers."""
-
-GRAIN = 512
-
-TURNS = 32 * GRAIN

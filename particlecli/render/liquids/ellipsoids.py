@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from particlecli.render.arrays import Integers, Row, Rows, Shorts, vec3
+from particlecli.render.arrays import Row, Rows, Shorts, vec3
 from particlecli.render.liquids.records import (
     BLUE,
     DEPTH,
@@ -117,9 +117,7 @@ def put_blobs(
             rows[i, EY] = -1.0
             keys[i] = ti.cast(key_of(depth, lens.near), ti.u16)
             if inside:
-                tint = ti.cast(
-                    table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32
-                )
+                tint = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
                 _set_shape(i, rows, size, grown, ratio, along, scale)
                 values = (
                     (X, place[0]), (Y, place[1]), (DEPTH, depth), (EX, wide), (EY, high),
