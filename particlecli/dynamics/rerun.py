@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from particlecli.dynamics.births import BirthTable, SampledBirths
 from particlecli.dynamics.group_plan import LANES, GroupPlan
-from particlecli.dynamics.system import columns_of
+from particlecli.dynamics.newborn import columns_of
 
 if TYPE_CHECKING:
     from particlecli.dynamics.group import Group

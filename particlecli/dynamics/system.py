@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 import taichi as ti
@@ -14,21 +14,20 @@ from particlecli.dynamics.fixed import FixedGroup
 from particlecli.dynamics.flows import flow_terms
 from particlecli.dynamics.forces import force_term
 from particlecli.dynamics.group import Group
+from particlecli.dynamics.group_frames import OPTIONAL_FIELDS, frame_of, frame_of_nobody
 from particlecli.dynamics.group_plan import GroupPlan, medium
 from particlecli.dynamics.kinship import by_generation
 from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.motion import Motion
+from particlecli.dynamics.newborn import columns_of
 from particlecli.dynamics.offspring import Offspring
 from particlecli.dynamics.outcome import Outcome
 from particlecli.dynamics.plan import Plan
 from particlecli.errors import SimulationError
-from particlecli.frame import Floats, Frame, GroupFrame
-from particlecli.scene.groups import Emitter, Particles
+from particlecli.frame import Frame, GroupFrame
 
 if TYPE_CHECKING:
     from particlecli.dynamics.coupled.system import CoupledSystem
-
-OPTIONAL_FIELDS = frozenset({"velocities", "ages", "lifetimes", "temperatures"})
 
 BIRTHS_AT_A_TIME = 1 << 20
 """Rows of a birth table drawn at once, so that tables of many millions need little memory."""
@@ -200,30 +199,10 @@ class System:
     def _group_frame(self, name: str, fields: frozenset[str]) -> GroupFrame:
         if name in self.fixed:
             return self.fixed[name].frame(self.time, fields)
-        group = self.groups.get(name)
-        if group is None:
-            return _nobody(self.plan.scene.groups[name], fields)
-        state = group.state
-        lifetime = self.plan.scene.groups[name].lifetime
-        wanted = {"u": "velocities", "v": "velocities", "w": "velocities"}
-        wanted |= {"age": "ages", "lifetime": "lifetimes", "temperature": "temperatures"}
-        names = ("x", "y", "z", *(each for each, field in wanted.items() if field in fields and group.has(each)))
-        block = state.read(names)
-        rows: dict[str, Floats] = dict(zip(names, block, strict=True))
-
-        def row(each: str, otherwise: float | None) -> Floats | None:
-            if wanted[each] not in fields or (each not in rows and otherwise is None):
-                return None
-            return rows[each] if each in rows else np.full(state.count, otherwise, dtype=state.real_dtype)
-
-        return GroupFrame(
-            ids=state.read(("id",))[0].astype(np.int64) if group.has("id") else np.arange(state.count),
-            positions=block[:3].T,
-            velocities=block[3:6].T if "u" in rows else None,
-            ages=row("age", self.time),
-            lifetimes=row("lifetime", lifetime if isinstance(lifetime, int | float) else None),
-            temperatures=row("temperature", None),
-        )
+        spec = self.plan.scene.groups[name]
+        if name not in self.groups:
+            return frame_of_nobody(spec, fields)
+        return frame_of(self.groups[name], spec.lifetime, self.time, fields)
 
     @property
     def dim(self) -> int:
@@ -296,43 +275,6 @@ class System:
             if witness.advance(self.time + s * dt, dt, 1).failed_slot is not None:
                 break
         return witness, s
-
-
-def columns_of(table: BirthTable, time: float) -> dict[str, NDArray[Any]]:
-    """The state of newborn particles at a time in s, component by component; before its birth an age is negative."""
-    count = len(table)
-    columns = {"id": table.ids, "age": time - table.times}
-    columns |= {name: np.zeros(count) for name in ("fate", "pace", "impacts")}
-    columns |= dict(zip("xyz", table.positions, strict=True))
-    if table.velocities is not None:
-        columns |= dict(zip("uvw", table.velocities, strict=True))
-    return columns | {name: values for name, values in _properties(table).items() if values is not None}
-
-
-def _nobody(group: Particles | Emitter, fields: frozenset[str]) -> GroupFrame:
-    """The frame of a group into which no particle is ever born: every array is there, of no rows."""
-
-    def row(name: str, exists: bool) -> Floats | None:
-        return np.empty(0, np.float32) if exists and name in fields else None
-
-    moving = group.motion == "newtonian" and "velocities" in fields
-    return GroupFrame(
-        ids=np.empty(0, np.int64),
-        positions=np.empty((0, 3), np.float32),
-        velocities=np.empty((0, 3), np.float32) if moving else None,
-        ages=row("ages", True),
-        lifetimes=row("lifetimes", group.lifetime is not None),
-        temperatures=row("temperatures", group.temperature is not None),
-    )
-
-
-def _properties(table: BirthTable) -> dict[str, Floats | None]:
-    return {
-        "lifetime": table.lifetimes,
-        "temperature": table.temperatures,
-        "cooling_rate": table.cooling_rates,
-        "inverse_mass": None if table.masses is None else 1.0 / table.masses,
-    }
 
 
 def _at_start(plan: GroupPlan, table: BirthTable) -> BirthTable:
