@@ -6,6 +6,7 @@ import math
 from dataclasses import fields, replace
 from itertools import pairwise
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -54,12 +55,13 @@ def assert_same(one: BirthTable, other: BirthTable) -> None:
         assert first is None or np.array_equal(first, second), field.name
 
 
-@settings(deadline=None, max_examples=20)
-@given(st.lists(st.floats(0, 4), max_size=12))
-def test_births_asked_for_in_pieces_are_those_asked_for_at_once(cuts: list[float]) -> None:
+@settings(deadline=None, max_examples=40)
+@given(st.lists(st.floats(0, 4), max_size=12), st.sampled_from([1, 7, 50, 4096]))
+def test_births_asked_for_in_pieces_are_those_asked_for_at_once(cuts: list[float], ahead: int) -> None:
     source = births()
     ends = [-np.inf, *sorted(cuts), 4.0]
-    pieces = [source.between(after, until) for after, until in pairwise(ends)]
+    with patch("particlecli.dynamics.births.AHEAD", ahead):
+        pieces = [source.between(after, until) for after, until in pairwise(ends)]
     assert_same(joined(pieces), whole(births()))
     for piece, (after, until) in zip(pieces, pairwise(ends), strict=True):
         assert ((piece.times > after) & (piece.times <= until)).all()

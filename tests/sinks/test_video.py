@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from particlecli.errors import OutputError, UsageError
 from particlecli.frame import Frame
+from particlecli.sinks.encoder import Encoder
 from particlecli.sinks.video import VideoSink
 
 Frames = Callable[[int], list[Frame]]
@@ -159,3 +160,13 @@ def test_missing_encoder_is_an_output_error_before_any_picture(tmp_path: Path, m
     with pytest.raises(OutputError, match="cannot start the video encoder"):
         VideoSink(tmp_path / "out" / "a.mp4", fps=30, size=SIZE).open()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not hasattr(os, "getpriority"), reason="this system has no priorities to set")
+def test_the_encoder_yields_to_the_run(tmp_path: Path) -> None:
+    pictures = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "16x16", "-r", "1", "-i", "-"]
+    encoder = Encoder(pictures, tmp_path / "video.mp4")
+    try:
+        assert os.getpriority(os.PRIO_PROCESS, encoder._process.pid) >= 15
+    finally:
+        encoder.kill()
