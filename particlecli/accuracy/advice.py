@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from particlecli.accuracy.linear_analysis import Analysis, GroupAnalysis
-from particlecli.accuracy.modes import Doubles, Kind
 from particlecli.scene.integrator import Scheme
+from particlecli.stability.modes import Doubles, Kind
 
 STEPS_PER_PERIOD = 20
 """With so many, a second-order scheme has the phase of an oscillation right to half a percent."""

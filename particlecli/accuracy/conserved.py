@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.accuracy.energy import conserves_energy
-from particlecli.accuracy.measure import masses
 from particlecli.accuracy.observer import Observer
 from particlecli.dynamics.births import ParticleBirths
 from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 from particlecli.scene.forces import Attraction, Force, LennardJones, Springs
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from particlecli.accuracy.coupled_motion import CoupledMotion
-from particlecli.accuracy.modes import STRAY, Complexes, Doubles, Modes, cleaned, modes_of
+from particlecli.stability.modes import STRAY, Complexes, Doubles, Modes, cleaned, modes_of
 
 DENSE = 480
 """Up to so many coordinates the Jacobians are put together, and all modes computed."""

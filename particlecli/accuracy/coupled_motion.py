@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import cKDTree
 
-from particlecli.accuracy.measure import masses
-from particlecli.accuracy.modes import Doubles
-from particlecli.accuracy.springs import held
+from particlecli.dynamics.masses import masses
 from particlecli.errors import SimulationError
+from particlecli.stability.modes import Doubles
+from particlecli.stability.springs import held
 
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from particlecli.accuracy.measure import masses
 from particlecli.accuracy.tracks import Doubles, Track, Tracks, spread_by_frame
 from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 from particlecli.scene.forces import Force, ForceField, PlacedForce
 from particlecli.scene.planes import Coulomb, Plane
 

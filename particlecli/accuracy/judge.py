@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ __all__ = ["CannotJudgeError", "Deviation", "Judgement", "judge"]
 Ids = NDArray[np.int64]
 Places = dict[str, tuple[Ids, Doubles]]
 """By group, numbers and positions, m, shape (n, 3), of particles at an instant."""
+
+Show = Callable[[int, int], None]
 
 MOST_PARTICLE_FRAMES = 2_000_000
 """Particles times frames that SciPy follows in minutes."""
@@ -83,11 +85,16 @@ class Judgement:
     outlived: int
 
 
-def judge(scene: Scene, *, threads: int | None = None) -> list[Judgement]:
+def judge(scene: Scene, *, threads: int | None = None, show: Show | None = None) -> list[Judgement]:
     """Run a scene, follow its particles once more with SciPy in double precision, and compare the frames.
 
     Births and impacts are followed at their exact instants, and particles as long as they live in the run. Children
     and what is fixed to a frame are not judged.
+
+    Args:
+        scene: the scene.
+        threads: worker threads; none: one a core.
+        show: is told how many frames SciPy has done, and how many particles it follows, after each.
 
     Raises:
         CannotJudgeError: the scene has something that cannot be followed, or too many particles; says what.
@@ -106,6 +113,8 @@ def judge(scene: Scene, *, threads: int | None = None) -> list[Judgement]:
     tally = _Tally(scene, judged)
     for index, (found, right) in enumerate(zip(run, truth, strict=True)):
         tally.add(index, found, right)
+        if show is not None:
+            show(index + 1, sum(len(ids) for ids, _ in right.values()))
     return tally.judgements()
 
 

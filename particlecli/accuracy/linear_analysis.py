@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli import runtime
-from particlecli.accuracy.modes import Doubles, Kind, Modes, kinds_of, modes_of
 from particlecli.accuracy.rates import is_linear
-from particlecli.accuracy.stability import stability_limit
 from particlecli.accuracy.states import States, states_at_birth, states_now
 from particlecli.auto.resolve import resolved
 from particlecli.dynamics.group_plan import GroupPlan
@@ -24,6 +22,8 @@ from particlecli.scene.checks import check_scene
 from particlecli.scene.distributions import support
 from particlecli.scene.integrator import Scheme
 from particlecli.scene.model import Scene
+from particlecli.stability.growth import stability_limit
+from particlecli.stability.modes import Doubles, Kind, Modes, kinds_of, modes_of
 
 if TYPE_CHECKING:
     from particlecli.dynamics.probe import Probe

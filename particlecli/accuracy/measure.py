@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.dynamics.births import born
-from particlecli.dynamics.group_plan import Constant, GroupPlan
+from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 from particlecli.scene.expression import Expression
 from particlecli.scene.known_answers import NAMES_OF_FLUID
 from particlecli.simulate import Simulation
@@ -95,9 +96,3 @@ class Sample:
     def _places(self) -> Ids:
         """The places of the particles among all that are alive."""
         return np.searchsorted(self.simulation.system.frame(0, {}).groups[self.group].ids, self.ids)
-
-
-def masses(plan: GroupPlan, ids: Ids) -> Doubles:
-    """Masses of particles of a group, kg, shape (n,)."""
-    differing = born(plan.births, ids).masses
-    return np.full(len(ids), 1.0 / plan.constants[Constant.INVERSE_MASS]) if differing is None else differing

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.accuracy.measure import masses
 from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 from particlecli.frame import Frame, GroupFrame
 from particlecli.simulate import Simulation
 

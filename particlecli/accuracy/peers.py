@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.integrate import DOP853, LSODA
 
-from particlecli.accuracy.measure import masses
 from particlecli.accuracy.tracks import Doubles, Track, Tracks
 from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 from particlecli.dynamics.plan import Plan
 from particlecli.dynamics.sampling import spread
 

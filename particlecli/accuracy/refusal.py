@@ -8,17 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from particlecli.accuracy.linear_analysis import limits_of, linearized, span, usable_schemes
-from particlecli.accuracy.modes import Modes, describe, modes_of
 from particlecli.accuracy.rates import SAMPLE, fastest_rate, is_linear, turns
-from particlecli.accuracy.stability import excess
 from particlecli.accuracy.states import states_at_birth
 from particlecli.dynamics.group_plan import GroupPlan
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import AnyScheme, ClosedForm, ImplicitRungeKutta
 from particlecli.errors import SimulationError
-from particlecli.scene.forces import Springs
 from particlecli.scene.integrator import Scheme
 from particlecli.simulate import Simulation
+from particlecli.stability.growth import excess
+from particlecli.stability.modes import Modes, describe, modes_of
 
 VISIBLE = 10.0
 """What a scheme may multiply a mode by until the end without being refused."""
@@ -67,16 +66,13 @@ def _exploding(simulation: Simulation, group: GroupPlan) -> Modes:
 
 def _exploding_springs(simulation: Simulation, group: GroupPlan) -> Modes:
     """The modes of its springs that the scheme would blow up."""
-    from particlecli.accuracy.springs import fastest_modes  # brings SciPy, which other scenes do without
+    from particlecli.stability.springs import fastest_modes  # brings SciPy, which other scenes do without
 
     step = simulation.plan.step
     steps = span(simulation.scene, group) / step
-    found = Modes.of_pairs(np.empty(0, complex))
     if isinstance(group.scheme, ImplicitRungeKutta):
-        return found
-    for coupling in simulation.plan.couplings:
-        if isinstance(coupling.force, Springs) and group.name in coupling.groups:
-            found = found.joined(fastest_modes(coupling.force, group))
+        return Modes.of_pairs(np.empty(0, complex))
+    found = fastest_modes(group, simulation.plan.couplings)
     return found.at(_explode(group.scheme, found, step, steps, linear=False))
 
 

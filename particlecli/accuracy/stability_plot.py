@@ -15,13 +15,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from particlecli.accuracy.linear_analysis import Analysis, Limit
-from particlecli.accuracy.modes import Complexes, Modes, kinds_of
-from particlecli.accuracy.stability import excess, growth
 from particlecli.accuracy.work_precision_plot import GREY, INK, PALE, STYLE
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import Splitting
 from particlecli.errors import OutputError
 from particlecli.scene.integrator import Scheme
+from particlecli.stability.growth import excess, growth
+from particlecli.stability.modes import Complexes, Modes, kinds_of
 
 REGION, EDGE = "#e3eef9", "#5b8fc7"
 KIND_COLOURS = {"oscillation": "#d9730d", "decay": "#1a7f37", "growth": "#8c959f"}

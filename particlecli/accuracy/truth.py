@@ -17,10 +17,10 @@ from particlecli.accuracy.bodies import (
     Mask,
     flight,
 )
-from particlecli.accuracy.measure import masses
 from particlecli.accuracy.touch import Ground, lowered
 from particlecli.dynamics.births import EmitterBirths
 from particlecli.dynamics.group_plan import GroupPlan
+from particlecli.dynamics.masses import masses
 
 if TYPE_CHECKING:
     from particlecli.dynamics.probe import Probe

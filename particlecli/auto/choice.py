@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from particlecli.auto.judge import Judge
 from particlecli.auto.pilot import Flight, Pilot
+from particlecli.auto.safe import SafeSteps
 from particlecli.auto.terms import ALONE, Terms
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
@@ -107,7 +108,7 @@ def _chaos(share: float) -> str:
     return f"  {share:.0%} of the flights are chaotic and count only until then: there no step keeps an error"
 
 
-def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = ALONE) -> Choice:
+def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, safe: SafeSteps) -> Choice:
     """Find the cheapest scheme and step that keep the error asked for.
 
     The same scene gets the same choice on every machine: evaluations are counted, not timed.
@@ -116,8 +117,9 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms = AL
         scene: with `integrator.type: auto`.
         pilots: of its groups.
         terms: on which schemes are compared.
+        safe: how long their steps may be.
     """
-    search = _Search(scene, pilots, terms)
+    search = _Search(scene, pilots, terms, safe)
     tried = [search.of(scheme) for scheme in terms.candidates if _fits(scene, scheme, terms)]
     best = search.best or min(tried, key=lambda each: math.inf if each.error is None else each.error)
     rejected = [_outdone(each, best) for each in tried if each is not best]
@@ -140,12 +142,12 @@ def _outdone(tried: Tried, best: Tried) -> Tried:
 class _Search:
     """Looks for the pace of each scheme, and remembers the cheapest."""
 
-    def __init__(self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms) -> None:
+    def __init__(self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, safe: SafeSteps) -> None:
         self._terms = terms
+        self._safe = safe
         self.goal = scene.integrator.goal
         self.best: Tried | None = None
         self._scene = scene
-        self._fewest = max(1, math.ceil(1.0 / scene.fps / (scene.integrator.dt or math.inf) * (1.0 - 1e-9)))
         self._pilots = [pilot for pilot in pilots if pilot.moves]
         self._judge = Judge(scene, self._pilots, terms)
         self.unknown = self._judge.unknown
@@ -156,7 +158,8 @@ class _Search:
     def of(self, scheme: Scheme) -> Tried:
         """The longest step, or largest tolerance, with which a scheme is accurate enough, if it can be cheapest."""
         if isinstance(SCHEMES[scheme], ClosedForm) or not self._pilots:
-            return self._judged(Tried(scheme, self._fewest, None, 0.0, self._cost(scheme, self._fewest), ""))
+            steps = self._fewest(scheme)
+            return self._judged(Tried(scheme, steps, None, 0.0, self._cost(scheme, steps), ""))
         last = enough = None
         for each in self._adaptive(scheme) if scheme in ADAPTIVE else self._even(scheme):
             last = each
@@ -177,7 +180,7 @@ class _Search:
     def _even(self, scheme: Scheme) -> Iterator[Tried]:
         """Ever more steps, by what the order of the scheme foretells; once they are enough, fewer again."""
         steps, error, order = self._begun(scheme), None, SCHEMES[scheme].order
-        too_few, enough = self._fewest - 1, 0
+        too_few, enough = self._fewest(scheme) - 1, 0
         for _ in range(MOST_TRIES):
             price = self._cost(scheme, steps)
             if why := self._hopeless(scheme, steps, price):
@@ -204,7 +207,12 @@ class _Search:
 
     def _begun(self, scheme: Scheme) -> int:
         """Steps to begin with: where an adaptive scheme has told what it takes, a share of that."""
-        return max(self._fewest, int(BEGUN * self._told / self._cost(scheme, 1)))
+        return max(self._fewest(scheme), int(BEGUN * self._told / self._cost(scheme, 1)))
+
+    def _fewest(self, scheme: Scheme) -> int:
+        """Steps a frame of the longest step that the scene allows and that is safe."""
+        longest = min(self._scene.integrator.dt or math.inf, self._safe.longest(SCHEMES[scheme]))
+        return max(1, math.ceil(1.0 / self._scene.fps / longest * (1.0 - 1e-9)))
 
     def _affordable(self, scheme: Scheme) -> float:
         """Steps that cost less than the best so far."""

@@ -11,6 +11,7 @@ from particlecli.auto.children import children, first_brood
 from particlecli.auto.choice import Choice, Tried, choose, integrator_of
 from particlecli.auto.judge import metres
 from particlecli.auto.pilot import SAMPLE, Pilot
+from particlecli.auto.safe import SafeSteps
 from particlecli.auto.terms import ALONE, TOGETHER
 from particlecli.auto.whole import WholePilot, worth_flying
 from particlecli.dynamics.births import EmitterBirths
@@ -40,11 +41,11 @@ def _chosen(plan: Plan) -> Choice:
     if any(any(group.rides) for group in plan.groups if not group.coupled):
         return _standing(plan.scene)
     if not any(group.coupled for group in plan.groups):
-        return choose(plan.scene, _pilots(plan), ALONE)
+        return choose(plan.scene, _pilots(plan), ALONE, SafeSteps(plan))
     choice = None
     if worth_flying(plan):
         with suppress(SimulationError):  # a scheme that cannot go on tells it best in the run itself
-            choice = choose(plan.scene, [WholePilot(plan), *_pilots(plan)], TOGETHER)
+            choice = choose(plan.scene, [WholePilot(plan), *_pilots(plan)], TOGETHER, SafeSteps(plan))
     return choice if choice and choice.holds else _careful(plan.scene, choice)
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from particlecli.auto.pilot import Flight
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme
-from particlecli.dynamics.plan import Plan, make_plan
+from particlecli.dynamics.plan import Coupling, Plan, make_plan
 from particlecli.errors import SimulationError
-from particlecli.scene.forces import Attraction
+from particlecli.scene.forces import Attraction, Springs
 from particlecli.scene.integrator import Integrator
 
 if TYPE_CHECKING:
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 WORK = 1e9
 """Pairs of particles that the flight which others are compared with may look at, about."""
 
-NEAR, FAR = 300, 1000
+NEAR, FAR, NEIGHBOR = 300, 1000, 10
 """How many others act on a particle, at a guess: some 30 near it, of which each costs as much as 10 of those that
-attract all others; of these, by a tree, at most."""
+attract all others; of these, by a tree, at most. And what each that a spring holds costs."""
 
 HARD = 4
 """Times as much work is to be expected where particles attract each other without softening and may meet."""
@@ -33,10 +33,21 @@ FEWEST, CALLS = 4, 50
 """Frames that are worth flying, and evaluations in one, at a guess."""
 
 
-def looks(plan: Plan) -> int:
+def looks(plan: Plan) -> float:
     """Pairs of particles that an evaluation of a plan's coupled groups looks at, about."""
     count = sum(group.capacity for group in plan.groups if group.coupled)
-    return count * max(min(count, FAR) if isinstance(each.force, Attraction) else NEAR for each in plan.couplings)
+    return sum(_looks(each, plan, count) for each in plan.couplings)
+
+
+def _looks(coupling: Coupling, plan: Plan, count: int) -> float:
+    force = coupling.force
+    if isinstance(force, Attraction):
+        return count * min(count, FAR)
+    if not isinstance(force, Springs):
+        return count * NEAR
+    from particlecli.stability.springs import joined_pairs  # brings SciPy, which other scenes do without
+
+    return NEIGHBOR * sum(2 * len(joined_pairs(force, group)) for group in plan.groups if group.name in coupling.groups)
 
 
 def worth_flying(plan: Plan) -> bool:

@@ -107,7 +107,7 @@ def _modes(group: GroupAnalysis, kind: Any) -> dict[str, Any]:
 
 
 def _limit(limit: Limit) -> dict[str, Any]:
-    from particlecli.accuracy.modes import describe
+    from particlecli.stability.modes import describe
 
     if limit.rate is None:
         return {"step_s": None, "because_of": None, "rate": None, "group": None}

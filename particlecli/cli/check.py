@@ -13,6 +13,7 @@ import typer
 
 from particlecli.cli.columns import table
 from particlecli.cli.console import message
+from particlecli.cli.progress import progress
 from particlecli.cli.scenes import Overrides, load
 from particlecli.errors import CheckFailedError, ParticleError, UsageError
 
@@ -126,8 +127,13 @@ def _outcome(path: Path, scene: Scene, against: str | None, limit: Limit, thread
     judged: list[Judgement] = []
     if against is not None:
         from particlecli.accuracy.judge import judge
+        from particlecli.run import Progress
 
-        judged = judge(scene, threads=threads)
+        with progress(quiet=False, what="SciPy at") as show:
+            assert show
+            judged = judge(
+                scene, threads=threads, show=lambda done, alive: show(Progress(done, scene.frame_count, alive))
+            )
         unseen = [each.group for each in judged if each.largest is not None and each.largest.pixels is None]
         if unseen and limit.unit == "px":
             raise UsageError(f"{path}: no particle of {unseen[0]} is ever in the picture; give --tolerance in metres")

@@ -68,10 +68,10 @@ def _stability(plan: Plan) -> tuple[float | None, float | None]:
 
     The rate is None where only the kernels could tell, the step where there is no limit or none is known.
     """
-    from particlecli.accuracy.modes import Modes
     from particlecli.accuracy.rates import fastest_at_birth, turns
-    from particlecli.accuracy.stability import longest_stable_steps
     from particlecli.dynamics.integrators import SCHEMES
+    from particlecli.stability.growth import longest_stable_steps
+    from particlecli.stability.modes import Modes
 
     fastest = fastest_at_birth(plan)
     if not fastest:

@@ -19,19 +19,19 @@ _SECONDS_BETWEEN_LINES = 5.0
 
 
 @contextmanager
-def progress(*, quiet: bool) -> Iterator[Show | None]:
-    """What `run` is to call after each frame; none when nothing is to be shown."""
+def progress(*, quiet: bool, what: str = "") -> Iterator[Show | None]:
+    """What is to be called after each frame, of a run or of what else is named; none when nothing is to be shown."""
     if quiet:
         yield None
     elif sys.stderr.isatty():
-        with _bar() as show:
+        with _bar(what) as show:
             yield show
     else:
-        yield _lines(time.monotonic)
+        yield _lines(time.monotonic, what)
 
 
 @contextmanager
-def _bar() -> Iterator[Show]:
+def _bar(what: str) -> Iterator[Show]:
     from rich import progress as rich
     from rich.console import Console
 
@@ -49,7 +49,7 @@ def _bar() -> Iterator[Show]:
         def show(state: Progress) -> None:
             bar.update(
                 task,
-                description="running",
+                description=what or "running",
                 completed=state.frames,
                 total=state.frame_count,
                 alive=state.alive,
@@ -58,7 +58,7 @@ def _bar() -> Iterator[Show]:
         yield show
 
 
-def _lines(clock: Callable[[], float]) -> Show:
+def _lines(clock: Callable[[], float], what: str) -> Show:
     first: tuple[int, float] | None = None
     said = 0.0
 
@@ -71,7 +71,7 @@ def _lines(clock: Callable[[], float]) -> Show:
             said = now
             pace = (now - first[1]) / (state.frames - first[0])
             left = pace * (state.frame_count - state.frames)
-            done = f"frame {state.frames} of {state.frame_count}"
+            done = f"{what} frame {state.frames} of {state.frame_count}".lstrip()
             message(f"{done}, {state.alive:,} particles, {left:.0f} s left")
 
     return show

@@ -27,6 +27,13 @@ def test_the_error_it_finds_is_the_true_one():
     assert found.compared == 11
 
 
+def test_it_tells_after_each_frame_how_far_it_is():
+    told = []
+    falling = scene(particles={"a": body((0, 1, 0), (1, 0, 0))}, forces=[DOWN], integrator=FINE)
+    judge(falling, show=lambda done, alive: told.append((done, alive)))
+    assert told == [(frame, 1) for frame in range(1, 12)]
+
+
 def test_pixels_are_those_of_the_scenes_camera():
     camera = {"position": [0, 0, 10], "look_at": [0, 0, 0], "field_of_view": 90, "resolution": [800, 600]}
     parts = {

@@ -5,11 +5,11 @@ import pytest
 
 from particlecli import runtime
 from particlecli.accuracy.linear_analysis import linearized
-from particlecli.accuracy.modes import modes_of
 from particlecli.accuracy.rates import fastest_rate, is_linear, turns
 from particlecli.accuracy.states import states_at_birth
 from particlecli.dynamics.plan import make_plan
 from particlecli.scene.load import load_scene
+from particlecli.stability.modes import modes_of
 
 FORCES = {
     "gravity": "{type: gravity}",

@@ -28,6 +28,16 @@ def test_lines_come_now_and_then_and_tell_the_time_left(
     ]
 
 
+def test_lines_name_what_is_no_run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    clock = iter([0.0, 7.0])
+    monkeypatch.setattr("time.monotonic", lambda: next(clock))
+    with progress(quiet=False, what="SciPy at") as show:
+        assert show is not None
+        for frame in (1, 2):
+            show(Progress(frame, 3, 5))
+    assert capsys.readouterr().err == "SciPy at frame 2 of 3, 5 particles, 7 s left\n"
+
+
 def test_quiet_shows_nothing() -> None:
     with progress(quiet=True) as show:
         assert show is None

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from particlecli.accuracy.modes import Modes, modes_of
-from particlecli.accuracy.stability import excess, growth, longest_stable_steps, stability_function
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ImplicitRungeKutta, Splitting
 from particlecli.dynamics.integrators.runge_kutta import RK4
 from particlecli.dynamics.integrators.splitting import VELOCITY_VERLET
 from particlecli.scene.load import load_scene
 from particlecli.simulate import Simulation
+from particlecli.stability.growth import excess, growth, longest_stable_steps, stability_function
+from particlecli.stability.modes import Modes, modes_of
 
 
 def oscillation(omega):

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from particlecli.accuracy.modes import Modes, describe, kinds_of, modes_of
-from particlecli.accuracy.stability import longest_stable_steps, stability_limit
 from particlecli.dynamics.integrators import SCHEMES
+from particlecli.stability.growth import longest_stable_steps, stability_limit
+from particlecli.stability.modes import Modes, describe, kinds_of, modes_of
 
 NOTHING = np.zeros((1, 3, 3))
 

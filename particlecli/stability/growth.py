@@ -14,7 +14,6 @@ from typing import assert_never
 
 import numpy as np
 
-from particlecli.accuracy.modes import Complexes, Doubles, Modes
 from particlecli.dynamics.integrators.base import (
     AdaptiveRungeKutta,
     AnyScheme,
@@ -23,6 +22,7 @@ from particlecli.dynamics.integrators.base import (
     ImplicitRungeKutta,
     Splitting,
 )
+from particlecli.stability.modes import Complexes, Doubles, Modes
 
 RungeKutta = ExplicitRungeKutta | AdaptiveRungeKutta | ImplicitRungeKutta
 

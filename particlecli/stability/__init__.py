@@ -1,0 +1,1 @@
+"""Modes of linearized motion, and how long steps may be for a scheme to be stable."""
