@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from particlecli.accuracy.curves import Key, WorkPrecision, curves
+from particlecli.accuracy.plot_notes import Notes
 from particlecli.accuracy.runs import Run
 
 INK, GREY, PALE = "#1b1f24", "#6e7781", "#d0d7de"
@@ -55,6 +56,9 @@ STYLE = {
 LEFT, RIGHT, NAMES = 0.085, 0.755, 0.787
 """Sides of the axes, and where the names of the curves begin, in parts of the figure's width."""
 
+MANY = 50.0
+"""Where times differ by more, powers of ten alone are written along the axis."""
+
 LOST = 10.0
 """Runs that are further off than so many times what particles move are left out."""
 
@@ -82,8 +86,8 @@ def draw(study: WorkPrecision) -> Figure:
     _mark_front(axes, study)
     for key, curve in shown.items():
         _draw_curve(axes, key, curve, bold=key.precision == _main_precision(shown, key))
-    _draw_levels(axes, study)
     _name_curves(axes, study, shown)
+    _draw_levels(axes, study)
     _title(figure, study, shown)
     return figure
 
@@ -115,8 +119,15 @@ def _set_up(axes: Axes, study: WorkPrecision, runs: Sequence[Run]) -> None:
     axes.set_axisbelow(True)
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
     axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{time:g}"))
+    axes.xaxis.set_minor_formatter(FuncFormatter(_between if max(times) < MANY * min(times) else lambda *_: ""))
     axes.tick_params(which="minor", length=2, color=PALE)
     axes.tick_params(which="major", length=4)
+
+
+def _between(time: float, _: int | None) -> str:
+    """A time between powers of ten, where it has one of the digits that leave room for its like."""
+    return f"{time:g}" if f"{time:e}"[0] in "25" else ""
 
 
 def _mark_front(axes: Axes, study: WorkPrecision) -> None:
@@ -154,35 +165,17 @@ def _draw_curve(axes: Axes, key: Key, curve: Sequence[Run], *, bold: bool) -> No
 def _draw_levels(axes: Axes, study: WorkPrecision) -> None:
     """What errors are held against: a pixel, roundoff, and how well the reference itself is known."""
     low, high = axes.get_ylim()
-    left = axes.get_xlim()[0]
     levels = [(level, f"roundoff floor in {precision} precision") for precision, level in study.floors.items()]
     if study.metres_a_pixel is not None:
         levels.append((0.5 * study.metres_a_pixel, "½ pixel"))
-    above = None
-    for level, name in sorted(level for level in levels if low < level[0] < high):
-        axes.axhline(level, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=1.5)
-        crowded = above is not None and level < 4.0 * above
-        _note(axes, f"{name}: {_metres(level)}", left, level, "left" if not crowded else "right")
-        above = level
+    notes = Notes(axes, GREY)
     known = study.known
     if known > low:
         axes.axhspan(low, known, facecolor="#f6f8fa", edgecolor=PALE, hatch="////", linewidth=0, zorder=0.5)
-        _note(axes, f"the reference is known to {_metres(known)}", left, known, "below")
-
-
-def _note(axes: Axes, text: str, left: float, height: float, place: str) -> None:
-    """A remark on a level: over it at the left or at the right of the axes, or below it."""
-    right = place == "right"
-    axes.annotate(
-        text,
-        (axes.get_xlim()[1] if right else left, height),
-        (-4 if right else 4, -9.5 if place == "below" else 2.5),
-        textcoords="offset points",
-        ha="right" if right else "left",
-        color=GREY,
-        fontsize=7.5,
-        zorder=4,
-    )
+        notes.put(f"the reference is known to {_metres(known)}", known, above=False)
+    for level, name in sorted(level for level in levels if low < level[0] < high):
+        axes.axhline(level, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=1.5)
+        notes.put(f"{name}: {_metres(level)}", level)
 
 
 def _drawn(axes: Axes, run: Run) -> float:

@@ -20,8 +20,8 @@ from particlecli.scene.model import Scene
 MARGIN = 1.5
 """The error of a pilot is to be so many times smaller than what is asked for: it stands for more than it has seen."""
 
-LOOSEST, TIGHTEST = 1e-2, 1e-12
-"""Tolerances of adaptive schemes that are tried."""
+LOOSEST = 1e-2
+"""The largest tolerance of adaptive schemes that is tried; the smallest is that of the judge."""
 
 MOST_SOLVED = 3_000
 """Evaluations in a row that a pilot may take where they belong to equations that are solved, launch by launch."""
@@ -152,6 +152,7 @@ class _Search:
         self._judge = Judge(scene, self._pilots, terms)
         self.unknown = self._judge.unknown
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
+        self._tightest = terms.deepest[scene.precision]
         self._stiff = False
         self._told = 0.0
 
@@ -248,7 +249,7 @@ class _Search:
             excess = error * MARGIN / self.goal.size
             halves = max(1, math.floor(2.0 * math.log10(max(excess, 1.0)))) if math.isfinite(excess) else 2
             tolerance = float(f"{tolerance * 10.0 ** (-halves / 2):.1g}")
-            if excess <= 1.0 or tolerance < TIGHTEST:
+            if excess <= 1.0 or tolerance < self._tightest:
                 return
 
     def _dearer(self, price: float) -> str:

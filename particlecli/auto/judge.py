@@ -29,6 +29,10 @@ AGREED, KNOWN = 0.1, 0.25
 """Parts of the error asked for: references so near each other need not be refined, and where the best two are further
 apart than so much nothing can be told of a particle from then on."""
 
+LOST = 0.5
+"""Share of the particles that live on after a pilot's flight of which nothing is known where it ends: chaos then
+takes the rest of their way, which no longer counts."""
+
 LEAST = 0.02
 """Share of a pilot's flight that must be known if anything is to be told."""
 
@@ -79,7 +83,7 @@ class Judge:
         for pilot, reference, flight in zip(self._pilots, self._references, flights, strict=True):
             lengths = _apart(flight.positions, reference)
             lengths = np.where(np.isnan(lengths) & ~np.isnan(reference[:, :, 0]), np.inf, lengths)
-            errors.append(_worst(pilot, self._in_unit(reference, lengths)))
+            errors.append(_worst(pilot, self._in_unit(reference, lengths)) * _growth(pilot, reference))
         return max(errors)
 
     def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Mask]:
@@ -129,8 +133,18 @@ def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
     few = errors.shape[1] < FEW
     sizes = [_size(errors[lives & (windows == window)], few=few) for window in range(WINDOWS)]
     known = [size for size in sizes if size is not None]
-    worst = max(known) if known else _size(errors[lives], 1, few=few) or 0.0
-    return worst * max(1.0, float(pilot.frames.max()) / pilot.flown)
+    return max(known) if known else _size(errors[lives], 1, few=few) or 0.0
+
+
+def _growth(pilot: Pilot | WholePilot, reference: Doubles) -> float:
+    """By how much errors grow, at a guess, after what was flown: as time does, unless the motion is chaotic by then.
+
+    The reference, of shape (frames, n, 3), is not a number where nothing is known of a particle.
+    """
+    last = pilot.frames >= pilot.flown
+    if np.isnan(reference[-1, last, 0]).mean() > LOST:
+        return 1.0
+    return max(1.0, float(pilot.frames.max()) / pilot.flown)
 
 
 def _size(values: Doubles, enough: int = ENOUGH, *, few: bool) -> float | None:
