@@ -10,9 +10,8 @@ from particlecli.dynamics.coupled.base import CoupledTerm, Spec
 from particlecli.dynamics.coupled.images import Map
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS, VECTOR3
 from particlecli.dynamics.coupled.neighbors import Neighbors, Periodic
-from particlecli.dynamics.coupled.pairs import over_neighbors, target
+from particlecli.dynamics.coupled.pairs import over_neighbors, over_packs, target
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import SHARE, WORKERS
 from particlecli.dynamics.group_plan import LANES
 
 
@@ -22,7 +21,7 @@ class LocalTerm(CoupledTerm[Spec]):
 
     Attributes:
         neighbors: what is near.
-        accelerations: field of packs, shape (3, packs of points), m/s².
+        accelerations: field of 4-vectors, one for each row of a particle: three components, m/s², and 0.
         energies: field of packs, J; half of the energy of each pair.
     """
 
@@ -43,7 +42,8 @@ class LocalTerm(CoupledTerm[Spec]):
         super().__init__(spec, points, groups)
         self.neighbors = Neighbors(points, groups, cutoff, moves=moves, axes=axes, periodic=periodic, maps=maps)
         pack = ti.types.vector(LANES, points.real)
-        self.accelerations = ti.field(pack, shape=(3, points.capacity))
+        row = ti.types.vector(4, points.real)
+        self.accelerations = ti.field(row, shape=points.capacity * LANES)
         self.energies = ti.field(pack, shape=points.capacity)
         self.table = points.memory.table(points.real, np.array(self.parameters()))
 
@@ -72,7 +72,14 @@ class LocalTerm(CoupledTerm[Spec]):
     @ti.func
     def acceleration(self, p, b, t):
         """Three packs, m/s²."""
-        return [self.accelerations[c, b] for c in ti.static(range(3))]
+        x = 0.0 * self.points.mass[b]
+        y, z = x, x
+        for lane in range(LANES):
+            row = self.neighbors.rows.place[b][lane]
+            if row >= 0:
+                a = self.accelerations[row]
+                x[lane], y[lane], z[lane] = a[0], a[1], a[2]
+        return [x, y, z]
 
     @ti.func
     def potential(self, p, b, t):
@@ -108,36 +115,32 @@ class LocalTerm(CoupledTerm[Spec]):
                         rows.folded[c, b] = rows.folded[c, b] - away
 
     @ti.kernel
-    def _sum_forces(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
-        rows.counter[0] = 0
-        ti.loop_config(block_dim=1)
-        for worker in range(WORKERS):
-            first = ti.atomic_add(rows.counter[0], SHARE)
-            while first < lengths.shape[0]:
-                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                    lists = ti.static((count, capacity, lengths, entries))
-                    here = target(rows, b, count)
-                    f = over_neighbors(self.force, self.loaded(), rows, lists, b, here, worker)
-                    for k in ti.static(range(rows.width)):
-                        if b * rows.width + k < count:
-                            slot = rows.order[b * rows.width + k]
-                            for c in ti.static(range(3)):
-                                self.accelerations[c, slot // LANES][slot % LANES] = f[c][k] / here[3][k]
-                first = ti.atomic_add(rows.counter[0], SHARE)
+    def _sum_forces(self, rows: ti.template(), count: ti.i32, begins: INTEGERS, ends: INTEGERS, entries: INTEGERS):
+        over_packs(self.accelerate, rows, ti.static((count, begins, ends, entries)))
 
     @ti.kernel
-    def _sum_energies(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
-        rows.counter[0] = 0
-        ti.loop_config(block_dim=1)
-        for worker in range(WORKERS):
-            first = ti.atomic_add(rows.counter[0], SHARE)
-            while first < lengths.shape[0]:
-                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                    lists = ti.static((count, capacity, lengths, entries))
-                    here = target(rows, b, count)
-                    total = over_neighbors(self.energy, self.loaded(), rows, lists, b, here, worker)
-                    for k in ti.static(range(rows.width)):
-                        if b * rows.width + k < count:
-                            slot = rows.order[b * rows.width + k]
-                            self.energies[slot // LANES][slot % LANES] = 0.5 * total[0][k]
-                first = ti.atomic_add(rows.counter[0], SHARE)
+    def _sum_energies(self, rows: ti.template(), count: ti.i32, begins: INTEGERS, ends: INTEGERS, entries: INTEGERS):
+        over_packs(self.weigh, rows, ti.static((count, begins, ends, entries)))
+
+    @ti.func
+    def accelerate(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """Fill in the accelerations of the particles of a pack, see `over_packs`."""
+        count = lists[0]
+        here = target(rows, b, count)
+        f = over_neighbors(self.force, self.loaded(), rows, lists, b, here, worker)
+        for k in ti.static(range(rows.width)):
+            row = b * rows.width + k
+            if row < count:
+                mass = here[3][k]
+                self.accelerations[row] = ti.Vector([f[0][k] / mass, f[1][k] / mass, f[2][k] / mass, 0.0])
+
+    @ti.func
+    def weigh(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """Fill in the energies of the particles of a pack, see `over_packs`."""
+        count = lists[0]
+        here = target(rows, b, count)
+        total = over_neighbors(self.energy, self.loaded(), rows, lists, b, here, worker)
+        for k in ti.static(range(rows.width)):
+            if b * rows.width + k < count:
+                slot = rows.order[b * rows.width + k]
+                self.energies[slot // LANES][slot % LANES] = 0.5 * total[0][k]

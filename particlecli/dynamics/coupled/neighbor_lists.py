@@ -3,6 +3,7 @@
 import taichi as ti
 
 from particlecli.dynamics.coupled.neighbor_grid import INDEX3, INTEGERS, VECTOR3, number, picked, place
+from particlecli.dynamics.coupled.sharing import BLOCK
 
 BEYOND = 1e30
 """A squared distance, m², beyond every cutoff."""
@@ -45,12 +46,12 @@ def add_near(
     nearest,
     farthest,
     reach2,
-    capacity,
+    end,
+    limit,
     entries: ti.template(),
-    length,
 ):
-    """Put those of rows n to stop that are near one of the targets, in a box, behind a list; its new length."""
-    total, own = length, b * rows.width
+    """Put those of rows n to stop that are near one of the targets, in a box, behind a list; its new end."""
+    total, own = end, b * rows.width
     for row in range(n, stop):
         p = rows.at[row]
         near = ti.i32(1)
@@ -68,9 +69,51 @@ def add_near(
             for k in ti.static(range(1, rows.width)):
                 near = near | bits[k]
         # Written first and counted if near: a branch would be mispredicted every third time.
-        entries[b * capacity + ti.min(total, capacity - 1)] = row
+        entries[ti.min(total, limit - 1)] = row
         total += ti.select((near != 0) & ((row < own) | (row >= own + rows.width)), 1, 0)
     return total
+
+
+@ti.func
+def add_list(
+    rows: ti.template(), crowd: ti.template(), grid: ti.template(), reach, b, begin, limit, entries: ti.template()
+):
+    """Put the list of pack b where it begins; its end.
+
+    Args:
+        rows: particles, then images; each in the order of the grid.
+        crowd: count, whether there are images, and the first row of each bin, of particles and of images.
+        grid: low, sides, counts, axes.
+        reach: m.
+        b: the pack.
+        begin, limit: what belongs behind the limit is not kept.
+        entries: filled.
+    """
+    count, imaged, starts, image_starts = ti.static(crowd)
+    low, sides, counts, axes = ti.static(grid)
+    target = targets(rows, b, count)
+    reach2 = ti.cast(reach * reach, rows.real)
+    nearest = ti.Vector([target[c].min() for c in ti.static(range(3))])
+    farthest = ti.Vector([target[c].max() for c in ti.static(range(3))])
+    inverse = 1.0 / sides
+    first = [span(nearest - reach, k, low, inverse, counts, axes) for k in ti.static(range(2))]
+    last = [span(farthest + reach, k, low, inverse, counts, axes) for k in ti.static(range(2))]
+    end = begin
+    for i in range(first[0], last[0] + 1):
+        left = reach * reach - gap2(i, 0, low, sides, counts, axes, nearest, farthest)
+        for j in range(first[1], last[1] + 1):
+            rest = left - gap2(j, 1, low, sides, counts, axes, nearest, farthest)
+            if rest >= 0.0:
+                along = ti.sqrt(rest)
+                one = number(i, j, span(nearest - along, 2, low, inverse, counts, axes), counts)
+                other = number(i, j, span(farthest + along, 2, low, inverse, counts, axes), counts)
+                n, stop = starts[ti.min(one, other)], starts[ti.max(one, other) + 1]
+                end = add_near(rows, n, stop, b, target, nearest, farthest, reach2, end, limit, entries)
+                if ti.static(imaged):
+                    n = count + image_starts[ti.min(one, other)]
+                    stop = count + image_starts[ti.max(one, other) + 1]
+                    end = add_near(rows, n, stop, b, target, nearest, farthest, reach2, end, limit, entries)
+    return end
 
 
 @ti.kernel
@@ -85,11 +128,15 @@ def list_neighbors(
     imaged: ti.template(),
     starts: INTEGERS,
     image_starts: INTEGERS,
-    capacity: ti.i32,
+    room: ti.i32,
+    begins: INTEGERS,
+    ends: INTEGERS,
     entries: INTEGERS,
-    lengths: INTEGERS,
+    needs: INTEGERS,
 ):
     """For each pack the rows within reach of any of its particles, except those of the pack itself.
+
+    The lists of a block of packs follow each other, so that they are read as a stream.
 
     Args:
         rows: particles, then images; each in the order of the grid.
@@ -98,53 +145,18 @@ def list_neighbors(
         reach: m.
         imaged: whether there are images.
         starts, image_starts: the first row of each bin, of particles, and counted from `count` of images.
-        capacity: room for each pack.
-        entries: filled, pack by pack.
-        lengths: filled: entries of each pack; where they are not below the capacity, some are missing.
+        room: entries of a block.
+        begins, ends: filled: of each pack's list, among the entries.
+        entries: filled, block by block.
+        needs: filled: entries of each block; where they are not below the room, some are missing.
     """
-    for b in range(lengths.shape[0]):
-        target = targets(rows, b, count)
-        reach2 = ti.cast(reach * reach, rows.real)
-        nearest = ti.Vector([target[c].min() for c in ti.static(range(3))])
-        farthest = ti.Vector([target[c].max() for c in ti.static(range(3))])
-        inverse = 1.0 / sides
-        begin = [span(nearest - reach, k, low, inverse, counts, axes) for k in ti.static(range(2))]
-        end = [span(farthest + reach, k, low, inverse, counts, axes) for k in ti.static(range(2))]
-        length = 0
-        for i in range(begin[0], end[0] + 1):
-            left = reach * reach - gap2(i, 0, low, sides, counts, axes, nearest, farthest)
-            for j in range(begin[1], end[1] + 1):
-                rest = left - gap2(j, 1, low, sides, counts, axes, nearest, farthest)
-                if rest >= 0.0:
-                    along = ti.sqrt(rest)
-                    one = number(i, j, span(nearest - along, 2, low, inverse, counts, axes), counts)
-                    other = number(i, j, span(farthest + along, 2, low, inverse, counts, axes), counts)
-                    first, last = ti.min(one, other), ti.max(one, other) + 1
-                    length = add_near(
-                        rows,
-                        starts[first],
-                        starts[last],
-                        b,
-                        target,
-                        nearest,
-                        farthest,
-                        reach2,
-                        capacity,
-                        entries,
-                        length,
-                    )
-                    if ti.static(imaged):
-                        length = add_near(
-                            rows,
-                            count + image_starts[first],
-                            count + image_starts[last],
-                            b,
-                            target,
-                            nearest,
-                            farthest,
-                            reach2,
-                            capacity,
-                            entries,
-                            length,
-                        )
-        lengths[b] = length
+    ti.loop_config(block_dim=1)
+    for block in range(needs.shape[0]):
+        place = block * room
+        for b in range(block * BLOCK, ti.min((block + 1) * BLOCK, begins.shape[0])):
+            crowd = ti.static((count, imaged, starts, image_starts))
+            grid = ti.static((low, sides, counts, axes))
+            begins[b] = place
+            place = add_list(rows, crowd, grid, reach, b, place, (block + 1) * room, entries)
+            ends[b] = place
+        needs[block] = place - block * room

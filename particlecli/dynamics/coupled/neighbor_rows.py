@@ -1,5 +1,7 @@
 """Rows: particles sorted so that neighbours stand together, followed by images of those near walls and faces."""
 
+from copy import copy
+
 import taichi as ti
 
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
@@ -28,21 +30,30 @@ class Rows:
 
     def __init__(self, points: Points, room: int, moves: bool, axes: int = 3) -> None:
         self.points = points
-        self.room = room
         self.moves = moves
         self.axes = axes
         self.real = points.real
         self.width = 4 if points.real == ti.f64 else 8
-        row = ti.types.vector(4, points.real)
         self.counter = ti.field(ti.i32, shape=1)
         self.sums = ti.field(ti.types.vector(self.width, points.real), shape=(WORKERS, 4))
-        self.at = ti.field(row, shape=room)
-        self.moving = ti.field(row, shape=room if moves else 1)
         self.order = ti.field(ti.i32, shape=points.capacity * LANES)
         self.place = ti.field(ti.types.vector(LANES, ti.i32), shape=points.capacity)
         self.origin = ti.field(ti.types.vector(LANES, points.real), shape=(3, points.capacity))
         self.folded = ti.field(ti.types.vector(LANES, points.real), shape=(3, points.capacity))
         self.changed = ti.field(ti.i32, shape=())
+        self._take(room)
+
+    def enlarged(self, room: int) -> "Rows":
+        """The same with room for so many rows; those are to be filled anew."""
+        other = copy(self)
+        other._take(room)
+        return other
+
+    def _take(self, room: int) -> None:
+        row = ti.types.vector(4, self.points.real)
+        self.room = room
+        self.at = ti.field(row, shape=room)
+        self.moving = ti.field(row, shape=room if self.moves else 1)
 
     @ti.kernel
     def collect(

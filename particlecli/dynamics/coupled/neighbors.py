@@ -13,6 +13,7 @@ from particlecli.dynamics.coupled.neighbor_grid import Grid, bins_of, sort
 from particlecli.dynamics.coupled.neighbor_lists import list_neighbors
 from particlecli.dynamics.coupled.neighbor_rows import Rows
 from particlecli.dynamics.coupled.points import Points
+from particlecli.dynamics.coupled.sharing import BLOCK
 from particlecli.dynamics.group_plan import LANES
 from particlecli.errors import SimulationError
 
@@ -97,9 +98,9 @@ class Neighbors:
         self._spacing = 0.0
         self._stale = True
         self._uses = 0
-        self.lengths = np.zeros(0, np.int32)
+        self.begins = self.ends = np.zeros(0, np.int32)
         self.entries = np.zeros(1, np.int32)
-        self.capacity = 64
+        self.capacity = 64 * BLOCK
 
     @property
     def packs(self) -> int:
@@ -107,9 +108,9 @@ class Neighbors:
         return -(-self.count // self.rows.width)
 
     @property
-    def lists(self) -> tuple[int, int, NDArray[np.int32], NDArray[np.int32]]:
-        """What kernels need: how many particles act, the room of a list, the lengths of the lists, and the lists."""
-        return self.count, self.capacity, self.lengths, self.entries
+    def lists(self) -> tuple[int, NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+        """What kernels need: how many particles act, where each pack's list begins and ends, and the lists."""
+        return self.count, self.begins, self.ends, self.entries
 
     def forget(self) -> None:
         """The lists are of no use any more: particles stand in other lanes."""
@@ -139,7 +140,7 @@ class Neighbors:
         positions, acts = np.zeros((3, self.slots)), np.zeros(self.slots, np.int32)
         box = self.periodic or Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self.rows.collect(self.groups, ti.Vector(box.low), ti.Vector(box.size), positions, acts)
-        chosen = positions[:, acts != 0]
+        chosen = np.compress(acts, positions, axis=1)
         if not np.isfinite(chosen).all():
             raise SimulationError("a particle's position is not finite any more; try a smaller integrator.dt")
         if self.rows.axes == 2 and chosen.size and np.ptp(chosen[2]) > THIN * self.cutoff:
@@ -149,7 +150,7 @@ class Neighbors:
         self.builds += 1
         self._stale = False
         self.count = chosen.shape[1]
-        self.lengths = np.zeros(self.packs, np.int32)
+        self.begins, self.ends = np.zeros((2, self.packs), np.int32)
         if not self.count:
             return
         sample = chosen[:, :: -(-self.count // SAMPLE)]
@@ -166,9 +167,7 @@ class Neighbors:
         if self.images.maps:
             self.images.choose(self.rows, self.count, chosen.min(axis=1) - self.reach, chosen.max(axis=1) + self.reach)
             if self.count + len(self.images.sources) > self.rows.room:
-                self.rows = Rows(
-                    self.points, self.slots + 3 * len(self.images.sources) // 2, self.rows.moves, self.rows.axes
-                )
+                self.rows = self.rows.enlarged(self.slots + 3 * len(self.images.sources) // 2)
                 self._build()
                 return
             image_starts = self._sort_images()
@@ -178,8 +177,8 @@ class Neighbors:
         self, positions: NDArray[np.float64], acts: NDArray[np.int32]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """The first place of each bin, and the positions that act in the order of their bins."""
-        keys, starts = np.empty(len(acts), np.int32), np.empty(self.grid.bins + 1, np.int32)
-        order = np.empty(len(acts), np.int32)
+        keys, order = np.empty((2, len(acts)), np.int32)
+        starts = np.empty(self.grid.bins + 1, np.int32)
         bins_of(positions, acts, *self.grid.arguments, keys)
         sort(keys, starts, order)
         return starts, order
@@ -188,19 +187,16 @@ class Neighbors:
         images = self.images
         positions = np.empty((3, len(images.sources)))
         images.positions(self.rows, images.sources, images.kinds, positions)
-        keys = np.empty(positions.shape[1], np.int32)
-        bins_of(positions, np.ones(len(keys), np.int32), *self.grid.arguments, keys)
-        # There are few of them and many bins.
-        starts = np.concatenate(([0], np.cumsum(np.bincount(keys, minlength=self.grid.bins)))).astype(np.int32)
-        order = np.argsort(keys, kind="stable").astype(np.int32)
+        starts, order = self._sorted(positions, np.ones(positions.shape[1], np.int32))
         images.arrange(order)
         images.refresh(self.rows, self.count, images.sources, images.kinds)
         return starts
 
     def _list(self, starts: NDArray[np.int32], image_starts: NDArray[np.int32]) -> None:
+        needs = np.zeros(-(-self.packs // BLOCK), np.int32)
         while True:
-            if len(self.entries) < self.packs * self.capacity:
-                self._make_room()
+            if len(self.entries) < len(needs) * self.capacity:
+                self._make_room(len(needs))
             list_neighbors(
                 self.rows,
                 self.count,
@@ -210,24 +206,26 @@ class Neighbors:
                 starts,
                 image_starts,
                 self.capacity,
+                self.begins,
+                self.ends,
                 self.entries,
-                self.lengths,
+                needs,
             )
-            longest = int(self.lengths.max())
+            longest = int(needs.max())
             # One place stays free: what is looked at last is written before it is known to be near.
             if longest < self.capacity:
                 return
-            self.capacity = longest + longest // 4 + 1
+            self.capacity = longest + longest // 8 + 1
 
-    def _make_room(self) -> None:
-        needed, free = 4 * self.packs * self.capacity, psutil.virtual_memory().available
-        if needed > SMALLEST_SHARE * free or self.packs * self.capacity >= 2**31:
+    def _make_room(self, blocks: int) -> None:
+        needed, free = 4 * blocks * self.capacity, psutil.virtual_memory().available
+        if needed > SMALLEST_SHARE * free or blocks * self.capacity >= 2**31:
             raise SimulationError(
-                f"lists of up to {self.capacity:,} neighbours for {self.count:,} particles would take "
+                f"lists of about {self.capacity // BLOCK:,} neighbours for {self.count:,} particles would take "
                 f"{needed / 2**30:.1f} GiB: particles stand far denser than their force's reach of {self.cutoff:.6g} m "
                 "is made for. Try a smaller cutoff, a stronger repulsion, or fewer particles at the beginning"
             )
-        self.entries = np.empty(self.packs * self.capacity, np.int32)
+        self.entries = np.empty(blocks * self.capacity, np.int32)
 
 
 def typical_spacing(positions: NDArray[np.float64], reach: float) -> float:

@@ -4,6 +4,7 @@ import taichi as ti
 
 from particlecli.dynamics.algebra import add, bound, dot
 from particlecli.dynamics.coupled.neighbor_lists import BEYOND
+from particlecli.dynamics.coupled.sharing import BLOCK, WORKERS
 
 ROW = 4
 """Quantities in a row of `Rows.at`, and as many in one of `Rows.moving`."""
@@ -45,6 +46,26 @@ def offset(rows, here, there, first=0):
 
 
 @ti.func
+def over_packs(work: ti.template(), rows: ti.template(), lists: ti.template()):
+    """Let workers take blocks of packs until none are left; the only statement of a kernel.
+
+    Args:
+        work: called for each pack with rows, lists, the pack's number and the worker's.
+        rows: particles and images.
+        lists: see `Neighbors.lists`.
+    """
+    rows.counter[0] = 0
+    ti.loop_config(block_dim=1)
+    for worker in range(WORKERS):
+        packs = lists[1].shape[0]
+        first = ti.atomic_add(rows.counter[0], BLOCK)
+        while first < packs:
+            for b in range(first, ti.min(first + BLOCK, packs)):
+                work(rows, lists, b, worker)
+            first = ti.atomic_add(rows.counter[0], BLOCK)
+
+
+@ti.func
 def over_neighbors(what: ti.template(), p, rows: ti.template(), lists: ti.template(), b, here: ti.template(), worker):
     """Sums of up to four quantities over all that is within reach of each particle of pack b, itself left out.
 
@@ -54,14 +75,14 @@ def over_neighbors(what: ti.template(), p, rows: ti.template(), lists: ti.templa
             `BEYOND`.
         p: parameters.
         rows: particles and images.
-        lists: count, capacity, lengths, entries: see `Neighbors.lists`.
+        lists: see `Neighbors.lists`.
         here: the pack's own rows, from `target`.
         worker: who sums.
 
     Returns:
         Four packs. The order of summation is that of the rows, the pack's own first.
     """
-    count, capacity, lengths, entries = ti.static(lists)
+    count, begins, ends, entries = ti.static(lists)
     zero = 0.0 * here[0]
     s0, s1, s2, s3 = zero, zero, zero, zero
     first = b * rows.width
@@ -72,7 +93,7 @@ def over_neighbors(what: ti.template(), p, rows: ti.template(), lists: ti.templa
         apart = ti.select(itself, ti.cast(BEYOND, rows.real), dot(d, d))
         q = what(p, d, apart, here, there)
         s0, s1, s2, s3 = add(s0, q[0]), add(s1, q[1]), add(s2, q[2]), add(s3, q[3])
-    for e in range(b * capacity, b * capacity + lengths[b]):
+    for e in range(begins[b], ends[b]):
         there = source(rows, entries[e])
         d = offset(rows, here, there)
         q = what(p, d, dot(d, d), here, there)

@@ -6,9 +6,7 @@ import numpy as np
 import taichi as ti
 
 from particlecli.dynamics.coupled.local import LocalTerm
-from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.group_plan import LANES
 from particlecli.scene import forces as scene
 
@@ -101,20 +99,20 @@ class RoughSphere(LocalTerm[scene.SoftSphere]):
             anchor = self.anchors[slot, place]
         return anchor
 
-    @ti.kernel
-    def _sum_forces(self, rows: ti.template(), count: ti.i32, capacity: ti.i32, lengths: INTEGERS, entries: INTEGERS):
-        ti.loop_config(block_dim=SHARE)
-        for b in range(lengths.shape[0]):
-            for row in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
-                force = 0.0 * self._position(rows, row)
-                for other in range(b * rows.width, ti.min((b + 1) * rows.width, count)):
-                    if other != row:
-                        force += self._between(rows, row, other)
-                for e in range(b * capacity, b * capacity + lengths[b]):
-                    force += self._between(rows, row, entries[e])
-                slot = rows.order[row]
-                for c in ti.static(range(3)):
-                    self.accelerations[c, slot // LANES][slot % LANES] = force[c] / rows.at[row][3]
+    @ti.func
+    def accelerate(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """Fill in the accelerations of the grains of a pack, one by one, see `over_packs`."""
+        count, begins, ends, entries = ti.static(lists)
+        first, stop = b * rows.width, ti.min((b + 1) * rows.width, count)
+        for row in range(first, stop):
+            force = 0.0 * self._position(rows, row)
+            for other in range(first, stop):
+                if other != row:
+                    force += self._between(rows, row, other)
+            for e in range(begins[b], ends[b]):
+                force += self._between(rows, row, entries[e])
+            mass = rows.at[row][3]
+            self.accelerations[row] = ti.Vector([force[0] / mass, force[1] / mass, force[2] / mass, 0.0])
 
     @ti.func
     def _position(self, rows: ti.template(), row):

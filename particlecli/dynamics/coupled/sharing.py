@@ -7,22 +7,17 @@ block, the more evenly:
     for b in range(packs):
         ...
 
-Where a pack needs room of its own, workers have it and take packs from a counter until none are left:
-
-    counter[0] = 0
-    ti.loop_config(block_dim=1)
-    for worker in range(WORKERS):
-        first = ti.atomic_add(counter[0], SHARE)
-        while first < packs:
-            for b in range(first, ti.min(first + SHARE, packs)):
-                ...
-            first = ti.atomic_add(counter[0], SHARE)
+Where a pack needs room of its own, workers have it and take packs from a counter until none are left: see
+`pairs.over_packs`.
 
 Which thread takes a pack varies from run to run; packs must not share anything that they write.
 """
 
 SHARE = 4
 """Packs in a block."""
+
+BLOCK = 16
+"""Packs in a block whose lists of neighbours follow each other."""
 
 WORKERS = 32
 """Most threads that share the work of a kernel with workers."""

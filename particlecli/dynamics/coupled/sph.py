@@ -11,9 +11,8 @@ from particlecli.dynamics.coupled.images import mirror_maps, periodic_maps
 from particlecli.dynamics.coupled.local import LocalTerm
 from particlecli.dynamics.coupled.neighbor_grid import INTEGERS
 from particlecli.dynamics.coupled.neighbors import Periodic
-from particlecli.dynamics.coupled.pairs import offset, over_neighbors, target
+from particlecli.dynamics.coupled.pairs import offset, over_neighbors, over_packs, target
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.coupled.sharing import SHARE, WORKERS
 from particlecli.dynamics.coupled.smoothing import CubicSpline, Wendland
 from particlecli.dynamics.group_plan import LANES
 from particlecli.scene import forces as scene
@@ -105,9 +104,9 @@ class Sph(LocalTerm[scene.Sph]):
         if not near.count:
             return
         if self._begins and self.continues:
-            self._sum_densities(near.rows, *near.lists, True)
+            self._begin(near.rows, *near.lists)
         self._begins = False
-        self._sum_densities(near.rows, *near.lists, False)
+        self._sum_densities(near.rows, *near.lists)
         near.refresh_images()
 
     @ti.func
@@ -130,52 +129,50 @@ class Sph(LocalTerm[scene.Sph]):
         return [mul(weight, add(mul(stress, d[c]), mul(-drag, v[c]))) for c in ti.static(range(3))] + [0.0]
 
     @ti.kernel
-    def _sum_densities(
-        self,
-        rows: ti.template(),
-        count: ti.i32,
-        capacity: ti.i32,
-        lengths: INTEGERS,
-        entries: INTEGERS,
-        begins: ti.template(),
-    ):
-        """Pressures by densities, into the rows; or, at the beginning, what densities at rest have more than sums."""
-        rows.counter[0] = 0
-        ti.loop_config(block_dim=1)
-        for worker in range(WORKERS):
-            first = ti.atomic_add(rows.counter[0], SHARE)
-            while first < lengths.shape[0]:
-                for b in range(first, ti.min(first + SHARE, lengths.shape[0])):
-                    p = self.loaded()
-                    lists = ti.static((count, capacity, lengths, entries))
-                    here = target(rows, b, count)
-                    total = over_neighbors(self.density, p, rows, lists, b, here, worker)
-                    # A particle is its own neighbour too.
-                    self._press(p, rows, b, count, total[0] + here[3] * p[1], begins)
-                first = ti.atomic_add(rows.counter[0], SHARE)
+    def _begin(self, rows: ti.template(), count: ti.i32, begins: INTEGERS, ends: INTEGERS, entries: INTEGERS):
+        over_packs(self.settle_density, rows, ti.static((count, begins, ends, entries)))
+
+    @ti.kernel
+    def _sum_densities(self, rows: ti.template(), count: ti.i32, begins: INTEGERS, ends: INTEGERS, entries: INTEGERS):
+        over_packs(self.press, rows, ti.static((count, begins, ends, entries)))
 
     @ti.func
-    def _press(self, p, rows: ti.template(), b, count, sums, begins: ti.template()):
-        """What the sums of densities of a pack mean for it."""
-        density = sums
-        first, lanes = b * rows.width, ti.min(rows.width, count - b * rows.width)
-        if ti.static(begins):
+    def settle_density(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """What the density at rest of the particles of a pack has more than the sum, see `over_packs`."""
+        count, rest = lists[0], self.table[3]
+        density = self._summed(rows, lists, b, worker)
+        first = b * rows.width
+        for k in range(ti.min(rows.width, count - first)):
+            slot = rows.order[first + k]
+            self.surplus[slot // LANES][slot % LANES] = rest - density[k]
+
+    @ti.func
+    def press(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """Pressures by densities of the particles of a pack, into the rows, see `over_packs`."""
+        p, count = self.loaded(), lists[0]
+        density = self._summed(rows, lists, b, worker)
+        first = b * rows.width
+        lanes = ti.min(rows.width, count - first)
+        if ti.static(self.continues):
             for k in range(lanes):
                 slot = rows.order[first + k]
-                self.surplus[slot // LANES][slot % LANES] = p[3] - density[k]
-        else:
-            if ti.static(self.continues):
-                for k in range(lanes):
-                    slot = rows.order[first + k]
-                    density[k] = density[k] + self.surplus[slot // LANES][slot % LANES]
-            compression = density / p[3]
-            if ti.static(not self.spec.tension):
-                compression = ti.max(compression, 1.0)
-            stress = p[4] * (self._power(compression, self.spec.exponent) - 1.0) / (p[3] * compression) ** 2
-            for k in range(lanes):
-                slot = rows.order[first + k]
-                self.compressions[slot // LANES][slot % LANES] = compression[k]
-                rows.moving[first + k][3] = stress[k]
+                density[k] = density[k] + self.surplus[slot // LANES][slot % LANES]
+        compression = density / p[3]
+        if ti.static(not self.spec.tension):
+            compression = ti.max(compression, 1.0)
+        stress = p[4] * (self._power(compression, self.spec.exponent) - 1.0) / (p[3] * compression) ** 2
+        for k in range(lanes):
+            slot = rows.order[first + k]
+            self.compressions[slot // LANES][slot % LANES] = compression[k]
+            rows.moving[first + k][3] = stress[k]
+
+    @ti.func
+    def _summed(self, rows: ti.template(), lists: ti.template(), b, worker):
+        """Σ m W of the particles of a pack."""
+        p, here = self.loaded(), target(rows, b, lists[0])
+        total = over_neighbors(self.density, p, rows, lists, b, here, worker)
+        # A particle is its own neighbour too.
+        return total[0] + here[3] * p[1]
 
     @ti.kernel
     def _store_energies(self, packs: ti.i32):

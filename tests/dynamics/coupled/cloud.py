@@ -47,7 +47,13 @@ def accelerations(term, cloud):
     term.restart()
     term.rearranged()
     term.prepare(0.0)
-    return cloud.of_slots(term.accelerations).T
+    return summed(term, cloud)
+
+
+def summed(term, cloud):
+    """What a local force found when it prepared last: accelerations, m/s², shape (n, 3)."""
+    rows = cloud.of_slots(term.neighbors.rows.place)
+    return term.accelerations.to_numpy()[rows, :3]
 
 
 def energy(term, cloud):

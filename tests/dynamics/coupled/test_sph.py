@@ -9,7 +9,7 @@ from particlecli.dynamics.coupled.sph import Sph
 from particlecli.errors import SimulationError
 from particlecli.scene import forces as scene
 from particlecli.scene.planes import Plane
-from tests.dynamics.coupled.cloud import Cloud, accelerations, energy
+from tests.dynamics.coupled.cloud import Cloud, accelerations, energy, summed
 from tests.dynamics.scenes import scene as scene_of
 
 ROOM = 500
@@ -103,7 +103,7 @@ def test_against_all_pairs(options, cloud, term):
     squeezed = positions * [0.97, 0.99, 1.0]
     cloud.fill(squeezed, masses=mass, velocities=velocities)
     term(options).prepare(0.0)
-    found = cloud.of_slots(term(options).accelerations).T
+    found = summed(term(options), cloud)
     expected = pairwise(spec, squeezed, velocities, mass, at_rest)
     assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
     assert np.abs(found.sum(axis=0)).max() < 1e-13 * np.abs(found).sum()
@@ -122,7 +122,7 @@ def test_forces_are_gradients(options, walls, cloud, term):
     squeezed = positions * 0.98
     cloud.fill(squeezed, masses=mass)
     it.prepare(0.0)
-    forces = cloud.of_slots(it.accelerations).T * mass
+    forces = summed(it, cloud) * mass
     for particle, axis in ((0, 0), (40, 1), (101, 0)):
         energies = []
         for h in (-1e-6, 1e-6):
