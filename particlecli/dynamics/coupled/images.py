@@ -17,8 +17,11 @@ from particlecli.dynamics.coupled.neighbor_rows import REALS, Rows
 from particlecli.dynamics.memory import FieldMemory
 from particlecli.scene.planes import Plane
 
-CHUNK = 128
+CHUNK = 16
 """Rows whose images are counted together."""
+
+ROUNDING = 1e-5
+"""How far rounding may move an image, as a share of the box that images are in."""
 
 
 @dataclass(frozen=True)
@@ -120,14 +123,37 @@ class Images:
             inside = inside & (p[k] >= low[k]) & (p[k] <= high[k])
         return inside
 
+    @ti.func
+    def _chunk_is_near(self, rows: ti.template(), first, stop, low, high):
+        """Whether an image of rows first to stop may be within a box: where no image of the box around them is."""
+        at = rows.at[first]
+        nearest = ti.Vector([at[0], at[1], at[2]])
+        farthest = nearest
+        for row in range(first + 1, stop):
+            for k in ti.static(range(3)):
+                nearest[k] = ti.min(nearest[k], rows.at[row][k])
+                farthest[k] = ti.max(farthest[k], rows.at[row][k])
+        middle, half = 0.5 * (nearest + farthest), 0.5 * (farthest - nearest)
+        slack = ROUNDING * (high - low)
+        found = False
+        for kind in range(self.maps):
+            p = self.linear[kind] @ middle + self.shift[kind]
+            reach = ti.abs(self.linear[kind]) @ half
+            meets = True
+            for k in ti.static(range(3)):
+                meets = meets & (p[k] + reach[k] >= low[k] - slack[k]) & (p[k] - reach[k] <= high[k] + slack[k])
+            found = found | meets
+        return found
+
     @ti.kernel
     def _count(self, rows: ti.template(), particles: ti.i32, low: VECTOR3, high: VECTOR3, places: INTEGERS):
         ti.loop_config(block_dim=1)
         for chunk in range(places.shape[0] - 1):
-            found = 0
-            for row in range(chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)):
-                for kind in range(self.maps):
-                    found += ti.select(self._within(rows, row, kind, low, high), 1, 0)
+            found, first, stop = 0, chunk * CHUNK, ti.min(particles, (chunk + 1) * CHUNK)
+            if self._chunk_is_near(rows, first, stop, low, high):
+                for row in range(first, stop):
+                    for kind in range(self.maps):
+                        found += ti.select(self._within(rows, row, kind, low, high), 1, 0)
             places[chunk + 1] = found
 
     @ti.kernel
