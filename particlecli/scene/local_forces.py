@@ -49,9 +49,10 @@ class LennardJones(ForceModel):
     size: Positive = described("σ, distance at which neither prevails, m", default=1.0)
     cutoff: Positive | None = described("no force beyond, m; none: 2.5 σ", default=None)
     shifted: Literal["potential", "force"] = described(
-        "what is zero at the cutoff: the potential, or the force as well; the jump of a force that is not makes the "
-        "energy of a liquid drift, by 1e-4 of the kinetic energy in 10,000 steps of 0.004 σ √(m/ε)",
-        default="potential",
+        "what is zero at the cutoff: the potential alone, or the force as well, by a term in r²; the jump of a force "
+        "that is not makes the energy of a liquid drift, by 1e-4 of the kinetic energy in 10,000 steps of "
+        "0.004 σ √(m/ε)",
+        default="force",
     )
     periodic: PeriodicBox | None = described("box across whose faces atoms act on each other", default=None)
 

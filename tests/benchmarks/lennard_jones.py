@@ -116,7 +116,8 @@ class NumPy:
         d = self._x[i] - self._x[j]
         d -= self._edge * np.round(d / self._edge)
         inverse6 = (d**2).sum(axis=1) ** -3
-        pull = (inverse6 ** (4 / 3) * (48 * inverse6 - 24))[:, None] * d
+        last = CUTOFF**-8 * (24 - 48 * CUTOFF**-6)
+        pull = (inverse6 ** (4 / 3) * (48 * inverse6 - 24) + last)[:, None] * d
         total = [np.bincount(i, pull[:, c], len(self._x)) - np.bincount(j, pull[:, c], len(self._x)) for c in range(3)]
         return np.stack(total, axis=1)
 

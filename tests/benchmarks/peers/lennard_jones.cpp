@@ -135,6 +135,8 @@ static void attract(Liquid &q) {
     } else
         copy(q);
     const double *x = q.at[0].data(), *y = q.at[1].data(), *z = q.at[2].data(), cutoff2 = q.cutoff * q.cutoff;
+    // What makes the force zero at the cutoff.
+    const double last = (24 - 48 / std::pow(q.cutoff, 6)) / std::pow(q.cutoff, 8);
 #pragma omp parallel for schedule(static, 64)
     for (int64_t i = 0; i < q.count; i++) {
         const int32_t *mine = &q.lists[i * 192], length = q.starts[i];
@@ -144,7 +146,7 @@ static void attract(Liquid &q) {
             const int32_t j = mine[k];
             const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
             const double d2 = dx * dx + dy * dy + dz * dz, inverse2 = 1 / d2, inverse6 = inverse2 * inverse2 * inverse2;
-            const double factor = d2 < cutoff2 ? inverse2 * inverse6 * (48 * inverse6 - 24) : 0;
+            const double factor = d2 < cutoff2 ? inverse2 * inverse6 * (48 * inverse6 - 24) + last : 0;
             sx += factor * dx;
             sy += factor * dy;
             sz += factor * dz;

@@ -14,7 +14,7 @@ EDGE = 8.0
 BOX = {"min": (0.0, 0.0, 0.0), "max": (EDGE, EDGE, EDGE)}
 ATOMS = {
     "periodic": {"periodic": BOX},
-    "force shifted": {"shifted": "force", "energy": 2.0, "size": 0.9},
+    "potential shifted": {"shifted": "potential", "energy": 2.0, "size": 0.9},
 }
 GRAINS = {
     "elastic": {},
@@ -80,8 +80,8 @@ def atom_forces(spec, positions):
 
     last = slope(cut) if spec.shifted == "force" else 0.0
     near = r < cut
-    strength = np.where(near, -(slope(r) - last) / r, 0.0)
-    energies = np.where(near, value(r) - value(cut) - last * (np.where(near, r, cut) - cut), 0.0)
+    strength = np.where(near, last / cut - slope(r) / r, 0.0)
+    energies = np.where(near, value(r) - value(cut) - last / cut * (np.where(near, r, cut) ** 2 - cut**2) / 2, 0.0)
     return (strength[..., None] * d).sum(axis=1), 0.5 * energies.sum()
 
 
@@ -172,11 +172,11 @@ def test_folding_into_the_box_keeps_forces_and_lists(cloud, term):
 
 def test_atoms_at_the_same_place_are_not_finite(cloud, term):
     cloud.fill(np.zeros((2, 3)), np.empty((0, 3)))
-    assert not np.isfinite(accelerations(term(atoms(ATOMS["force shifted"])), cloud)).any()
+    assert not np.isfinite(accelerations(term(atoms(ATOMS["potential shifted"])), cloud)).any()
     far = np.array([[k * 10.0, 0.0, 0.0] for k in range(20)])
     far[19] = far[0]
     cloud.fill(far, np.empty((0, 3)))
-    assert not np.isfinite(accelerations(term(atoms(ATOMS["force shifted"])), cloud)[[0, 19]]).any()
+    assert not np.isfinite(accelerations(term(atoms(ATOMS["potential shifted"])), cloud)[[0, 19]]).any()
 
 
 @pytest.mark.parametrize(
