@@ -140,7 +140,7 @@ class Neighbors:
         positions, acts = np.zeros((3, self.slots)), np.zeros(self.slots, np.int32)
         box = self.periodic or Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self.rows.collect(self.groups, ti.Vector(box.low), ti.Vector(box.size), positions, acts)
-        chosen = np.compress(acts, positions, axis=1)
+        chosen = np.compress(acts != 0, positions, axis=1)
         if not np.isfinite(chosen).all():
             raise SimulationError("a particle's position is not finite any more; try a smaller integrator.dt")
         if self.rows.axes == 2 and chosen.size and np.ptp(chosen[2]) > THIN * self.cutoff:
