@@ -54,19 +54,35 @@ def slopes(stars):
     return values
 
 
+def by_groups(found, strength=STRENGTH, softening=SOFTENING, other=-0.5):
+    """Accelerations by the plain sum, by group, and the potential energy."""
+    x, mass = (np.concatenate([found[name][i] for name in "ab"], axis=-1) for i in (0, 2))
+    first, first_energy = by_plain_sum(x, mass, strength, softening)
+    x, mass = (np.concatenate([found[name][i] for name in "bc"], axis=-1) for i in (0, 2))
+    second, second_energy = by_plain_sum(x, mass, other, 0.0)
+    right = {"a": first[:, :37], "b": first[:, 37:] + second[:, :18], "c": second[:, 18:]}
+    return right, first_energy + second_energy
+
+
 def test_equals_a_plain_sum_over_the_groups_it_acts_on(stars):
     found = slopes(stars)
-    x, mass = (np.concatenate([found[name][i] for name in "ab"], axis=-1) for i in (0, 2))
-    first, first_energy = by_plain_sum(x, mass, STRENGTH, SOFTENING)
-    x, mass = (np.concatenate([found[name][i] for name in "bc"], axis=-1) for i in (0, 2))
-    second, second_energy = by_plain_sum(x, mass, -0.5, 0.0)
-    right = {"a": first[:, :37], "b": first[:, 37:] + second[:, :18], "c": second[:, 18:]}
+    right, total = by_groups(found)
     tolerance = 1e-13 if stars.plan.scene.precision == "double" else 2e-6
     for name in "abc":
-        np.testing.assert_allclose(found[name][3], right[name], rtol=0, atol=tolerance * np.abs(first).max())
+        np.testing.assert_allclose(found[name][3], right[name], rtol=0, atol=tolerance * np.abs(right["a"]).max())
         np.testing.assert_array_equal(found[name][4], found[name][1])
     energy = sum(shares.sum() for shares in stars.coupled.potential_energies(0.0).values())
-    assert energy == pytest.approx(first_energy + second_energy, rel=30 * tolerance)
+    assert energy == pytest.approx(total, rel=30 * tolerance)
+
+
+@pytest.mark.parametrize(
+    "number", [{"strength": -STRENGTH}, {"strength": 1.001 * STRENGTH}, {"softening": 1.01 * SOFTENING}, {"other": 0.5}]
+)
+def test_a_sum_with_one_number_wrong_does_not_match(stars, number):
+    found = slopes(stars)
+    wrong, _ = by_groups(found, **number)
+    largest = max(np.abs(found[name][3] - wrong[name]).max() for name in "abc")
+    assert largest > 1e-4 * np.abs(wrong["a"]).max()
 
 
 def test_action_equals_reaction(stars):

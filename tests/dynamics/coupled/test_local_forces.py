@@ -118,6 +118,27 @@ def test_grains_against_all_pairs(options, cloud, term):
     assert np.abs(expected).max() > 1.0
 
 
+@pytest.mark.parametrize("number", ["energy", "size"])
+def test_atoms_with_one_number_wrong_do_not_match(number, cloud, term):
+    spec = atoms(ATOMS["force shifted"])
+    wrong = spec.model_copy(update={number: 1.001 * getattr(spec, number)})
+    cloud.fill(POSITIONS, np.empty((0, 3)), masses=MASSES)
+    expected, total = atom_forces(wrong, POSITIONS)
+    forces = accelerations(term(spec), cloud) * MASSES[:, None]
+    assert np.abs(forces - expected).max() > 1e-4 * np.abs(expected).max()
+    assert energy(term(spec), cloud) != pytest.approx(total, rel=1e-4)
+
+
+@pytest.mark.parametrize("number", ["diameter", "stiffness", "damping", "friction"])
+def test_grains_with_one_number_wrong_do_not_match(number, cloud, term):
+    spec = grains(GRAINS["rough"])
+    wrong = spec.model_copy(update={number: 1.001 * getattr(spec, number)})
+    cloud.fill(POSITIONS, np.empty((0, 3)), masses=MASSES, velocities=VELOCITIES)
+    expected = grain_forces(wrong, POSITIONS, VELOCITIES)
+    forces = accelerations(term(spec), cloud) * MASSES[:, None]
+    assert np.abs(forces - expected).max() > 1e-5 * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("spec", [*map(atoms, ATOMS.values()), *map(grains, GRAINS.values())])
 def test_action_is_reaction(spec, cloud, term):
     cloud.fill(POSITIONS, np.empty((0, 3)), masses=MASSES, velocities=VELOCITIES)

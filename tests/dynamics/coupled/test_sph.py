@@ -20,6 +20,8 @@ FLUIDS = {
     "laminar": {"viscosity": {"laminar": 0.4}, "kernel": "cubic_spline", "exponent": 1, "tension": True},
     "in a plane": {"viscosity": {"artificial": 0.0}, "dimensions": 2, "density_by": "summation", "tension": True},
 }
+EXACT = 1e-11
+NUMBERS = ("density", "sound_speed", "exponent")
 RNG = np.random.default_rng(11)
 SPACE = (np.stack(np.meshgrid(*[np.arange(7)] * 3), -1).reshape(-1, 3) + 0.5) * 0.1 + RNG.uniform(-0.02, 0.02, (343, 3))
 SHEET = np.stack(np.meshgrid(np.arange(20) + 0.5, np.arange(17) + 0.5, [0.0]), -1).reshape(-1, 3) * 0.1
@@ -92,8 +94,8 @@ def pairwise(spec, positions, velocities, mass, sums_at_rest):
     return -mass * (slope[..., None] * total).sum(axis=1)
 
 
-@pytest.mark.parametrize("options", FLUIDS.values(), ids=FLUIDS)
-def test_against_all_pairs(options, cloud, term):
+def measured(options, cloud, term):
+    """Accelerations of a fluid that has been squeezed, and a function that tells those of another by the textbook."""
     positions, velocities = place(options)
     spec = fluid(options)
     mass = 1000.0 * 0.1**spec.dimensions
@@ -104,9 +106,27 @@ def test_against_all_pairs(options, cloud, term):
     cloud.fill(squeezed, masses=mass, velocities=velocities)
     term(options).prepare(0.0)
     found = summed(term(options), cloud)
-    expected = pairwise(spec, squeezed, velocities, mass, at_rest)
-    assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
+    return found, lambda other: pairwise(other, squeezed, velocities, mass, at_rest)
+
+
+@pytest.mark.parametrize("options", FLUIDS.values(), ids=FLUIDS)
+def test_against_all_pairs(options, cloud, term):
+    found, textbook = measured(options, cloud, term)
+    expected = textbook(fluid(options))
+    assert np.abs(found - expected).max() < EXACT * np.abs(expected).max()
     assert np.abs(found.sum(axis=0)).max() < 1e-13 * np.abs(found).sum()
+
+
+@pytest.mark.parametrize("options", FLUIDS.values(), ids=FLUIDS)
+def test_a_formula_with_one_number_wrong_does_not_match(options, cloud, term):
+    found, textbook = measured(options, cloud, term)
+    spec = fluid(options)
+    wrong = {number: spec.model_copy(update={number: 1.001 * getattr(spec, number)}) for number in NUMBERS}
+    ((kind, viscosity),) = options["viscosity"].items()
+    wrong[kind] = fluid({**options, "viscosity": {kind: 1.001 * viscosity or 0.01}})
+    for number, other in wrong.items():
+        expected = textbook(other)
+        assert np.abs(found - expected).max() > 1e4 * EXACT * np.abs(expected).max(), number
 
 
 @pytest.mark.parametrize(

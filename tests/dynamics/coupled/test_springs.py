@@ -59,12 +59,12 @@ def expected(x, v, stiffness, damping):
     return force, 0.5 * stiffness * ((length - rest) ** 2).sum()
 
 
-def drag(x, v):
+def drag(x, v, along=0.1, backward=0.5, across=2.0):
     behind, ahead = Lattice((5, 1, 7)).neighbours()
     e = x[:, ahead] - x[:, behind]
     e /= np.linalg.norm(e, axis=0)
     onward = (v * e).sum(axis=0)
-    return -np.where(onward > 0, 0.1, 0.5) * onward * e - 2 * (v - onward * e)
+    return -np.where(onward > 0, along, backward) * onward * e - across * (v - onward * e)
 
 
 def test_forces_and_energy_equal_the_formulas(cloth):
@@ -73,6 +73,19 @@ def test_forces_and_energy_equal_the_formulas(cloth):
     tolerance = 1e-12 if cloth.plan.scene.precision == "double" else 3e-5
     np.testing.assert_allclose(a * mass, force + drag(x, v), rtol=0, atol=tolerance * np.abs(force).max())
     assert cloth.coupled.potential_energies(0.4)["cloth"].sum() == pytest.approx(energy, rel=10 * tolerance)
+
+
+@pytest.mark.parametrize("number", ["stiffness", "damping", "along", "backward", "across"])
+@pytest.mark.parametrize("factor", [-1.0, 1.001])
+def test_a_formula_with_one_number_wrong_does_not_match(cloth, number, factor):
+    x, v, a, mass = parts(cloth)
+    pull = {"stiffness": STIFFNESS, "damping": DAMPING}
+    slowing = {"along": 0.1, "backward": 0.5, "across": 2.0}
+    for numbers in (pull, slowing):
+        if number in numbers:
+            numbers[number] *= factor
+    wrong = expected(x, v, **pull)[0] + drag(x, v, **slowing)
+    assert np.abs(a * mass - wrong).max() > 1e-4 * np.abs(wrong).max() * abs(factor - 1)
 
 
 def test_springs_are_the_gradient_of_their_energy_and_push_as_much_as_they_are_pushed():

@@ -82,6 +82,16 @@ def test_forces_are_those_of_all_pairs_within_a_thousandth(kind, term, cloud):
         assert 0.5 * mass @ own == pytest.approx(energy, rel=1e-4)
 
 
+def test_a_sum_with_one_number_wrong_is_further_off(term, cloud):
+    x = crowd("galaxy")
+    cloud.fill(x, masses=MASSES)
+    forces = found(term, cloud)
+    right, softer = (by_plain_sum(x, MASSES, term.spec.softening + more)[0] for more in (0.0, 0.03))
+    for wrong in (-right, 1.01 * right, softer):
+        error = np.linalg.norm(forces - wrong, axis=1)
+        assert np.sqrt((error**2).mean()) > 3e-3 * np.sqrt((wrong**2).sum(axis=1).mean())
+
+
 def test_cells_hold_their_bodies_once_and_know_their_moments(term, cloud):
     x = crowd("galaxy")
     cloud.fill(x, masses=MASSES)
