@@ -24,6 +24,7 @@ import numpy as np
 from particlecli.accuracy.tracks import Ids, Track, Tracks
 from particlecli.accuracy.trial import Outcome, Pace, Trial, suitable, trial_plan
 from particlecli.auto.costs import cost, cost_together
+from particlecli.auto.judge import metres
 from particlecli.auto.resolve import resolved
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ExplicitRungeKutta, ImplicitRungeKutta, Splitting
@@ -44,8 +45,8 @@ MOST = 1500
 """Particles of each group that are followed, at most; those that act on each other are all there."""
 
 SPANS = {
-    "scenes/dam_break": 0.2,
-    "scenes/fish_school": 1.0,
+    "scenes/dam_break": 0.14,
+    "scenes/fish_school": 0.3,
     "scenes/flag": 0.5,
     "scenes/galaxies": 1.0,
     "scenes/gas": 0.2,
@@ -54,7 +55,7 @@ SPANS = {
     "scenes/sand": 0.3,
     "scenes/snake": 3.0,
     "reference/catenary": 0.3,
-    "reference/dam_break": 0.05,
+    "reference/dam_break": 0.02,
     "reference/elliptical_drop": 0.002,
     "reference/hydrostatic_tank": 0.1,
     "reference/taylor_green": 0.2,
@@ -64,8 +65,9 @@ SPANS = {
 CHEAPER = 1 / 1.5
 """The part of its cost at which nothing else may be accurate enough."""
 
-REFERENCES = (1e-8, 1e-10)
-"""Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from."""
+REFERENCES, SHARES = (1e-8, 1e-10), (1e-3, 1e-5)
+"""Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from, m; and
+where particles act on each other, in parts of the error asked for, if that is more."""
 
 UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
@@ -178,9 +180,15 @@ class _Court:
             for group in plan.groups
         }
         trial = self.trial("dop853", "double")
-        rough, fine = (trial.run(Pace(tolerance=tolerance)).tracks for tolerance in REFERENCES)
+        rough, fine = (trial.run(Pace(tolerance=tolerance)).tracks for tolerance in self._tolerances())
         self.particle_frames = max(1, sum(int(track.alive.sum()) for track in fine.values()))
         self._reference = self._known(rough, fine)
+
+    def _tolerances(self) -> list[float]:
+        if not self._together:
+            return [*REFERENCES]
+        allowed = metres(self._scene)
+        return [max(least, share * allowed) for least, share in zip(REFERENCES, SHARES, strict=True)]
 
     @property
     def followed(self) -> float:
