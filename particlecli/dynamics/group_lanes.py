@@ -61,7 +61,7 @@ class GroupLanes:
         x, y, z, u, v, w, end, warmth, _, reached = self.group.march.advance(
             p, t0, dt, steps, before, own, fate, temperature, Way.CAREFULLY
         )
-        if self.group.march.careful_stepper.lies(p, before[:3]):
+        if self.group.march.careful_stepper.events.lies(p, before[:3]):
             ti.atomic_add(flags[RESTING], 1)
         aged = self.group.aged(own[0] + ti.cast(interval, self.group.real), reached)
         self._keep(b, lane, [x, y, z, u, v, w], aged, end, warmth, flags)

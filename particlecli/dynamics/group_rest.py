@@ -64,7 +64,7 @@ class GroupRest:
     def _lying(self, b, bits):
         """Bits of the lanes that lie on a plane, of those given."""
         x = [self.group.state.reals[c, b] for c in ti.static(range(3))]
-        lies = ti.select(self.group.march.careful_stepper.lies(self.group.loaded(), x), 1, 0)
+        lies = ti.select(self.group.march.careful_stepper.events.lies(self.group.loaded(), x), 1, 0)
         lying = 0
         for lane in ti.static(range(LANES)):
             lying |= lies[lane] << lane

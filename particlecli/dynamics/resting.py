@@ -36,16 +36,29 @@ class RestingMotion:
             body: inverse mass, bits of the planes rested on, three components of the sliding direction, and the speed
                 below which a velocity has no direction, m/s.
         """
-        supported = self._supported(p, state, t, body)
+        slope = self.motion.derivative(p, state, t, body[:1])
+        return state[3:] + self.held(p, state, slope[3:], body[1:])
+
+    @ti.func
+    def held(self, p, state, a, footing):
+        """Accelerations of particles that planes may hold, from those that they had if there were no planes.
+
+        Args:
+            p, state: of the particles.
+            a: the accelerations, m/s².
+            footing: as of `derivative`, without the inverse mass.
+        """
+        supported = self._supported(p, state, a, footing[0])
         a0, a1, a2 = supported[0], supported[1], supported[2]
         for k in ti.static(range(len(self.contacts))):
-            a0, a1, a2 = self._rubbed(p[self.first + k], k, state, [a0, a1, a2], supported[3 + k], body[2:])
-        return state[3:] + [a0, a1, a2]
+            a0, a1, a2 = self._rubbed(p[self.first + k], k, state, [a0, a1, a2], supported[3 + k], footing[1:])
+        return [a0, a1, a2]
 
     def jacobian(self, p, state, t, body):
         """As `Motion.jacobian`, for a `body` as that of `derivative`."""
         by_position, by_velocity = self.motion.jacobian(p, state, t, body[:1])
-        pressed = self._supported(p, state, t, body)[3:]
+        slope = self.motion.derivative(p, state, t, body[:1])
+        pressed = self._supported(p, state, slope[3:], body[1])[3:]
         for k in range(len(self.contacts)):
             q = p[self.first + k]
             rubbing, sliding = self._friction(q, k, state, pressed[k], body[2:])
@@ -54,15 +67,14 @@ class RestingMotion:
         return by_position, by_velocity
 
     @ti.func
-    def _supported(self, p, state, t, body):
+    def _supported(self, p, state, a, resting):
         """The acceleration without what presses onto planes, and that part by plane, as sizes."""
-        slope = self.motion.derivative(p, state, t, body[:1])
-        a0, a1, a2 = slope[3] + 0.0 * state[0], slope[4] + 0.0 * state[0], slope[5] + 0.0 * state[0]
+        a0, a1, a2 = a[0] + 0.0 * state[0], a[1] + 0.0 * state[0], a[2] + 0.0 * state[0]
         pressed = [bound(0.0 * state[0]) for _ in ti.static(range(len(self.contacts)))]
         for _ in range(1 if ti.static(len(self.contacts) == 1) else 6):
             for k in ti.static(range(len(self.contacts))):
                 n = ti.static(self.contacts[k].normal(p[self.first + k]))
-                against = ti.select(rests_on(body[1], k), ti.max(-dot(n, [a0, a1, a2]), 0.0), 0.0)
+                against = ti.select(rests_on(resting, k), ti.max(-dot(n, [a0, a1, a2]), 0.0), 0.0)
                 a0, a1, a2 = (
                     add(a0, mul(n[0], against)),
                     add(a1, mul(n[1], against)),
