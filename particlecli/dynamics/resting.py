@@ -48,7 +48,7 @@ class RestingMotion:
             a: the accelerations, m/s².
             footing: as of `derivative`, without the inverse mass.
         """
-        supported = self._supported(p, state, a, footing[0])
+        supported = self.supported(p, state, a, footing[0])
         a0, a1, a2 = supported[0], supported[1], supported[2]
         for k in ti.static(range(len(self.contacts))):
             a0, a1, a2 = self._rubbed(p[self.first + k], k, state, [a0, a1, a2], supported[3 + k], footing[1:])
@@ -58,7 +58,7 @@ class RestingMotion:
         """As `Motion.jacobian`, for a `body` as that of `derivative`."""
         by_position, by_velocity = self.motion.jacobian(p, state, t, body[:1])
         slope = self.motion.derivative(p, state, t, body[:1])
-        pressed = self._supported(p, state, slope[3:], body[1])[3:]
+        pressed = self.supported(p, state, slope[3:], body[1])[3:]
         for k in range(len(self.contacts)):
             q = p[self.first + k]
             rubbing, sliding = self._friction(q, k, state, pressed[k], body[2:])
@@ -67,8 +67,8 @@ class RestingMotion:
         return by_position, by_velocity
 
     @ti.func
-    def _supported(self, p, state, a, resting):
-        """The acceleration without what presses onto planes, and that part by plane, as sizes."""
+    def supported(self, p, state, a, resting):
+        """Accelerations `a` without what presses onto the planes rested on, and that part by plane, as sizes."""
         a0, a1, a2 = a[0] + 0.0 * state[0], a[1] + 0.0 * state[0], a[2] + 0.0 * state[0]
         pressed = [bound(0.0 * state[0]) for _ in ti.static(range(len(self.contacts)))]
         for _ in range(1 if ti.static(len(self.contacts) == 1) else 6):

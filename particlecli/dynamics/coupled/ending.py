@@ -24,21 +24,24 @@ class Ending:
         groups: the coupled groups, in the order of `points.names`.
         points: all particles.
         base: field of packs, shape (6, packs): the state at the beginning of the step.
+        locates: whether impacts have happened at their instants by then, where groups allow that.
 
     Attributes:
+        located: the places of the groups of which they have.
         reaches: length of the part of the step that each particle takes, s: all of it, what is left of it after
             birth, or nothing for those that do not move.
         pins: particles that forces do not move.
         needed: whether anything happens besides motion.
     """
 
-    def __init__(self, groups: Sequence[Group], points: Points, base) -> None:
+    def __init__(self, groups: Sequence[Group], points: Points, base, *, locates: bool = False) -> None:
         self.groups = list(groups)
         self.points = points
         self.base = base
         self.pins = Pins([group.plan for group in groups], points)
         self.reaches = ti.field(ti.types.vector(LANES, points.real), shape=points.capacity)
         self.eventful = [bool(g.march.contacts or g.march.cools or g.has("fate") or g.has("age")) for g in groups]
+        self.located = [g for g, group in enumerate(groups) if locates and group.march.locates]
         self.needed = any(self.eventful)
 
     @ti.func
@@ -126,7 +129,7 @@ class Ending:
         p = group.loaded()
         reach = self.reaches[b]
         age = group.component("age", own, 0.0) + (now + h)
-        x, y, z, u, v, w, end = self._met(group.march, p, b, t0 + now + h, reach, group.component("fate", own, 0))
+        x, y, z, u, v, w, end = self._met(group.march, g, p, b, t0 + now + h, reach, group.component("fate", own, 0))
         rate = group.component("cooling_rate", own, p[-1][Constant.COOLING_RATE])
         warmth = group.march.cooled(p, group.component("temperature", own, 0.0), rate, reach)
         lifetime = group.component("lifetime", own, p[-1][Constant.LIFETIME])
@@ -140,14 +143,14 @@ class Ending:
         self._act(group, g, b, self._held(g, own), end, age)
 
     @ti.func
-    def _met(self, march: ti.template(), p, b, t, reach, fate):
+    def _met(self, march: ti.template(), g: ti.template(), p, b, t, reach, fate):
         """Six packs of state and the fate after meeting the planes at time t, s."""
         before = [self.base[c, b] for c in ti.static(range(6))]
         x, y, z = self.points.state[0, b], self.points.state[1, b], self.points.state[2, b]
         u, v, w = self.points.state[3, b], self.points.state[4, b], self.points.state[5, b]
         gained = [u - before[3], v - before[4], w - before[5]]
         end = fate
-        for k in ti.static(range(len(march.contacts))):
+        for k in ti.static(range(0 if g in self.located else len(march.contacts))):
             live = both(end == int(Fate.ALIVE) if ti.static(march.has_fate) else True, reach > 0.0)
             x, y, z, u, v, w, end = march.contacts[k].respond(
                 p[march.first_contact + k], [x, y, z, u, v, w], before, gained, end, live, t, reach

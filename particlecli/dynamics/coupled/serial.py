@@ -20,6 +20,7 @@ class SerialMarch:
         self.step = step
         self.ending = step.ending
         self.stepper = stepper
+        self.adapts = stepper is not None
         self.real = step.real
 
     @ti.kernel
@@ -30,15 +31,27 @@ class SerialMarch:
         interval: ti.f64,
         steps: ti.i32,
         flags: ti.types.ndarray(dtype=ti.i32, ndim=2),
+        record: ti.types.ndarray(dtype=ti.f64, ndim=1),
     ):
-        """So many equal steps through an interval, s, from a time, s; `flags` as of `StageKernels.check`."""
+        """So many equal steps through an interval, s, from a time, s.
+
+        `flags` as of `StageKernels.check`; `record`: see `CoupledSystem`, here only how many steps were tried.
+        """
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._load(packs)
             h, t0 = ti.cast(interval / steps, self.real), ti.cast(start, self.real)
+            tried, crowd = 0, 0
             for s in range(steps):
-                self._move(packs, t0, s * h, h, s > 0)
-                self._finish(packs, t0, s * h, h)
+                done = 0.0 * h
+                while done < h:
+                    left, now = h - done, s * h + done
+                    taken, error, tries = self._stride(packs, t0, now, left, h, (s > 0) & (done == 0.0), 0.0 * h, crowd)
+                    self._finish(packs, t0, now, taken)
+                    crowd = ti.select(taken < left, crowd + tries, 0)
+                    done = ti.select(taken < left, done + taken, h)
+                    tried += tries
+            record[3] = tried
             self._store(packs, interval, flags)
 
     @ti.kernel
@@ -60,25 +73,26 @@ class SerialMarch:
             liked, last = ti.cast(record[0], self.real), ti.cast(record[1], self.real)
             liked = ti.select(liked > 0.0, liked, FIRST_STEP * span)
             now = 0.0 * span
-            taken, tried = 0, 0
+            steps, tried, crowd = 0, 0, 0
             while (now < span) & (liked >= SHORTEST_STEP * span):
                 h = ti.min(ti.min(liked, ti.cast(longest, self.real)), span - now)
                 h = ti.select(span - now - h < 1e-9 * span, span - now, h)
-                self._move(packs, t0, now, h, False)
-                error = self._error(packs, ti.cast(tolerance, self.real))
-                tried += 1
+                bound = ti.cast(tolerance, self.real)
+                taken, error, tries = self._stride(packs, t0, now, h, h, False, bound, crowd)
+                tried += tries
                 if error <= 1.0:
-                    self._finish(packs, t0, now, h)
+                    self._finish(packs, t0, now, taken)
                     factor = self.stepper.change(error, last)
                     liked = ti.max(liked, h * factor) if h < liked else h * factor
                     last = ti.max(error, 1e-4)
-                    now = ti.select(h < span - now, now + h, span)
-                    taken += 1
+                    crowd = ti.select(taken < h, crowd + tries, 0)
+                    now = ti.select((taken < h) | (h < span - now), now + taken, span)
+                    steps += 1
                 else:
                     for b in range(packs):
                         self.step.revert(b)
                     liked = h * ti.min(self.stepper.change(error, 1.0), 0.9)
-            record[0], record[1], record[2], record[3] = liked, last, taken, tried
+            record[0], record[1], record[2], record[3] = liked, last, steps, tried
             record[4] = ti.select(now < span, ti.cast(now, ti.f64), interval)
             self._store(packs, interval, flags)
 
@@ -86,6 +100,8 @@ class SerialMarch:
     def _load(self, packs):
         for b in range(packs):
             self.ending.load(b)
+            if ti.static(self.step.locates):
+                self.step.impacts.calm(b)
 
     @ti.func
     def _store(self, packs, interval, flags: ti.template()):
@@ -93,6 +109,26 @@ class SerialMarch:
             self.ending.check(b, flags)
         for b in range(packs):
             self.ending.store(b, ti.cast(interval, self.real), flags)
+
+    @ti.func
+    def _stride(self, packs, t0, now, h, whole, again, tolerance, crowd):
+        """A step, or its part up to the first event within it.
+
+        Args:
+            h: how long it may be, s.
+            whole: length of the step that it is a part of, s.
+            again: whether it follows a step, whose last accelerations may serve again.
+            tolerance: of the error, of adaptive schemes.
+            crowd: trials since the last step in which nothing happened.
+
+        Returns:
+            How far it went, the estimated error of adaptive schemes, and how many trials it took.
+        """
+        self._move(packs, t0, now, h, again)
+        error = 0.0 * h
+        if ti.static(self.adapts):
+            error = self._error(packs, tolerance)
+        return h, error, 1
 
     @ti.func
     def _move(self, packs, t0, now, h, again):

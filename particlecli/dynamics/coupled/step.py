@@ -4,6 +4,7 @@ import numpy as np
 import taichi as ti
 
 from particlecli.dynamics.coupled.ending import Ending
+from particlecli.dynamics.coupled.impacts import CoupledImpacts
 from particlecli.dynamics.coupled.motion import CoupledMotion
 from particlecli.dynamics.coupled.stages import Stages
 
@@ -21,6 +22,8 @@ class Step:
         ending: what happens besides motion.
 
     Attributes:
+        impacts: what happens at planes within the step, if any are met so.
+        locates: whether they are.
         eventful: whether anything happens at the end of a step besides motion.
         reuses: whether the last accelerations of a step are the first of the next.
         times: of the evaluations, and of the end, in steps.
@@ -32,6 +35,8 @@ class Step:
         self.real = motion.points.real
         self.stages = stages
         self.ending = ending
+        self.locates = bool(ending.located)
+        self.impacts = CoupledImpacts(ending) if self.locates else None
         self.evaluations = len(stages.times)
         self.eventful = ending.needed or any(term.ends_steps for term in motion.terms)
         self.reuses = stages.repeats and not self.eventful
@@ -46,8 +51,14 @@ class Step:
 
     @ti.func
     def evaluate(self, i, b, t):
-        """Evaluation i, at time t, s."""
-        self.stages.keep(i, b, self.motion.acceleration(b, t))
+        """Evaluation i, at time t, s; where impacts are located, of −1 and of the end, as if there were no planes."""
+        a = self.motion.acceleration(b, t)
+        if ti.static(not self.locates):
+            self.stages.keep(i, b, a)
+        elif (i >= 0) & (i < self.evaluations):
+            self.stages.keep(i, b, self.impacts.held(b, a))
+        else:
+            self.impacts.keep(b, a)
 
     @ti.func
     def follow(self, i, b, t, h):

@@ -10,6 +10,7 @@ from particlecli.dynamics.coupled.ending import DIED, FAILED, Ending
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
 from particlecli.dynamics.coupled.kernels import StageKernels
 from particlecli.dynamics.coupled.krylov import Krylov
+from particlecli.dynamics.coupled.located import LocatedMarch
 from particlecli.dynamics.coupled.motion import CoupledMotion
 from particlecli.dynamics.coupled.newton import Newton
 from particlecli.dynamics.coupled.points import Points
@@ -70,15 +71,16 @@ class CoupledSystem:
         ]
         self._prepared = [term for term in self.terms if term.needs_preparation]
         motion, parts = CoupledMotion(self._groups, self.terms, self.points), stages(self._scheme, self.points)
-        ending = Ending(self._groups, self.points, parts.base)
-        step = Step(motion, parts, ending)
+        few = not isinstance(parts, ImplicitStages) and self.points.capacity <= MOST_SERIAL_PACKS
+        serial = few and not self._prepared
+        step = Step(motion, parts, Ending(self._groups, self.points, parts.base, locates=serial))
         self._times = parts.times
         self._eventful, self._reuses = step.eventful, step.reuses
         self._stepper = self._groups[0].march.stepper if plan.adaptive else None
         self._kernels = StageKernels(step)
         self._newton = self._make_newton(step, parts, plan) if isinstance(parts, ImplicitStages) else None
-        few = not self._newton and self.points.capacity <= MOST_SERIAL_PACKS
-        self._serial = SerialMarch(step, self._stepper) if few and not self._prepared else None
+        march = LocatedMarch if step.locates else SerialMarch
+        self._serial = march(step, self._stepper) if serial else None
         self._pace = Pace()
         self._arranged: list[int] = []
 
@@ -216,8 +218,8 @@ class CoupledSystem:
         assert self._serial
         packs, record = self.points.packs, np.array([self._pace.liked, self._pace.last, 0.0, 0.0, 0.0])
         if not self._stepper:
-            self._serial.evenly(packs, start, interval, steps, flags)
-            return steps, steps
+            self._serial.evenly(packs, start, interval, steps, flags, record)
+            return steps, int(record[3])
         self._serial.paced(packs, start, interval, self._longest, self.tolerance, flags, record)
         self._pace = Pace(*record[:2])
         _make_sure(record[4] >= interval, start + record[4])
