@@ -3,8 +3,9 @@
 import taichi as ti
 
 from particlecli.dynamics.algebra import dot
-from particlecli.dynamics.contacts import length
+from particlecli.dynamics.contacts import TINY, length
 from particlecli.dynamics.coupled.ending import Ending
+from particlecli.dynamics.dips import may_dip
 from particlecli.dynamics.group_plan import LANES
 from particlecli.dynamics.plane_events import NONE, SLIDING_STOPS
 from particlecli.dynamics.resting import rests_on
@@ -32,7 +33,8 @@ class CoupledImpacts:
     """The planes that coupled groups meet at the instants of impacts.
 
     A step begins with `enter`; where particles lie on planes they find their `foot`ing, and planes hold them in the
-    step. Then `survey` looks for the first event within it. Once the step ends at that event, particles are `struck`.
+    step. Then `survey` looks for the first event within it. Once the step ends at that event, particles `strike`.
+    Packs of which nothing is near a plane are seen as such at once; in others particles go one by one.
 
     Args:
         ending: of steps; its groups, points and states at the beginning of the step.
@@ -75,17 +77,27 @@ class CoupledImpacts:
         self.resting[b] = ti.Vector([0] * LANES)
         for g in ti.static(self.located):
             if self.points.holds(g, b):
-                lies = self._enter(g, b - self.points.firsts[g], b)
+                p = self.groups[g].loaded()
+                if self._nearest(g, p, b) <= 0.0:
+                    for lane in range(LANES):
+                        if self.ending.reaches[b][lane] > 0.0:
+                            lies = ti.max(lies, self._enter(g, p, b, lane))
         return lies
 
     @ti.func
-    def _enter(self, g: ti.template(), own, b):
-        p, live = self.groups[g].loaded(), self.ending.reaches[b] > 0.0
-        x, y, z, u, v, w, fate = self.events[g].entered(
-            p, self._state(b), self.groups[g].component("fate", own, 0), live
-        )
-        self._put(g, own, b, [x, y, z, u, v, w], fate)
-        return ti.select(live & self.events[g].lies(p, [x, y, z]), 1, 0).max()
+    def _enter(self, g: ti.template(), p, b, lane):
+        x, y, z, u, v, w, fate = self.events[g].entered(p, self._state(b, lane), self._fate(g, b, lane), True)
+        self._put(g, b, lane, [x, y, z, u, v, w], fate)
+        return ti.select(self.events[g].lies(p, [x, y, z]), 1, 0)
+
+    @ti.func
+    def _nearest(self, g: ti.template(), p, b):
+        """How far the moving particles of pack b are above what counts as lying on a plane, at least, m."""
+        height = 0.0 * self.points.mass[b] + NEVER
+        for k in ti.static(range(len(self.events[g].contacts))):
+            above, margin = self.events[g].height(p[self.events[g].first + k], k, self.points.position(b))
+            height = ti.min(height, above - 8.0 * margin)
+        return ti.select(self.ending.reaches[b] > 0.0, height, NEVER).min()
 
     @ti.func
     def keep(self, b, a):
@@ -99,24 +111,28 @@ class CoupledImpacts:
         rests = 0
         for g in ti.static(self.located):
             if self.points.holds(g, b):
-                rests = self._foot(g, b, h)
+                p = self.groups[g].loaded()
+                for lane in range(LANES):
+                    if self.ending.reaches[b][lane] > 0.0:
+                        rests = ti.max(rests, self._foot(g, p, b, lane, h))
         return rests
 
     @ti.func
-    def _foot(self, g: ti.template(), b, h):
-        p, state, a = self.groups[g].loaded(), self._state(b), self._raw(b)
+    def _foot(self, g: ti.template(), p, b, lane, h):
+        state, a = self._state(b, lane), self._raw(b, lane)
         resting, f0, f1, f2 = self.events[g].footing(p, state, a, h)
-        resting = ti.select(self.ending.reaches[b] > 0.0, resting, 0)
-        grounded = self.events[g].grounded(p, state, resting)
-        self.resting[b] = resting
-        self.footing[0, b], self.footing[1, b], self.footing[2, b] = f0, f1, f2
-        self.footing[3, b] = ti.select(resting != 0, self.events[g].faint * length(grounded[3:]), 0.0)
-        for c in ti.static(range(6)):
-            self.points.state[c, b] = grounded[c]
-        supported = self.motions[g].supported(p, grounded, a, resting)
-        for k in ti.static(range(len(self.events[g].contacts))):
-            self.pressing[k, b] = supported[3 + k]
-        return ti.select(resting != 0, 1, 0).max()
+        if resting != 0:
+            self.resting[b][lane] = resting
+            grounded = self.events[g].grounded(p, state, resting)
+            faint = self.events[g].faint * length(grounded[3:])
+            for c in ti.static(range(4)):
+                self.footing[c, b][lane] = [f0, f1, f2, faint][c]
+            for c in ti.static(range(6)):
+                self.points.state[c, b][lane] = grounded[c]
+            supported = self.motions[g].supported(p, grounded, a, resting)
+            for k in ti.static(range(len(self.events[g].contacts))):
+                self.pressing[k, b][lane] = supported[3 + k]
+        return ti.select(resting != 0, 1, 0)
 
     @ti.func
     def held(self, b, a):
@@ -124,8 +140,13 @@ class CoupledImpacts:
         ax, ay, az = a[0], a[1], a[2]
         for g in ti.static(self.located):
             if self.points.holds(g, b) & (self.resting[b].max() > 0):
-                footing = [self.resting[b]] + [self.footing[c, b] for c in ti.static(range(4))]
-                ax, ay, az = self.motions[g].held(self.groups[g].loaded(), self._state(b), a, footing)
+                p = self.groups[g].loaded()
+                for lane in range(LANES):
+                    if self.resting[b][lane] != 0:
+                        free = [ax[lane], ay[lane], az[lane]]
+                        footing = [self.resting[b][lane]] + [self.footing[c, b][lane] for c in ti.static(range(4))]
+                        held = self.motions[g].held(p, self._state(b, lane), free, footing)
+                        ax[lane], ay[lane], az[lane] = held[0], held[1], held[2]
         return [ax, ay, az]
 
     @ti.func
@@ -144,48 +165,65 @@ class CoupledImpacts:
         first, place, due, near, turn = NONE, NONE, 0.0 * trial + NEVER, 0, trial
         for g in ti.static(self.located):
             if self.points.holds(g, b):
-                first, place, due, near, turn = self._survey(g, b, trial, kind, lane, tolerance)
+                p = self.groups[g].loaded()
+                if (lane != NONE) | (self.resting[b].max() > 0) | self._meets(g, p, b):
+                    for each in range(LANES):
+                        if self.ending.reaches[b][each] > 0.0:
+                            target = ti.select(each == lane, kind, NONE)
+                            one, when, close, lowest = self._survey(g, p, b, each, trial, target, tolerance)
+                            turn = ti.min(turn, lowest)
+                            earlier = (one != NONE) & ((first == NONE) | (when < due))
+                            if earlier | ((first == NONE) & (target != NONE)):
+                                due, near = when, close
+                            if earlier:
+                                first, place = one, each
         return first, place, due, near, turn
 
     @ti.func
-    def _survey(self, g: ti.template(), b, trial, kind, lane, tolerance):
-        p, reach = self.groups[g].loaded(), self.ending.reaches[b]
-        old, new = [self.ending.base[c, b] for c in ti.static(range(6))], self._state(b)
-        resting, forward = self.resting[b], [self.footing[c, b] for c in ti.static(range(3))]
-        target = ti.select(ti.Vector(list(range(LANES))) == lane, kind, NONE)
-        kinds, dues, nears = self.events[g].first_event(p, old, new, resting, forward, reach, target, tolerance)
-        if resting.max() > 0:
-            kinds, dues, nears = self._released(g, p, b, new, target, kinds, dues, nears)
-        live, late = reach > 0.0, trial - reach
-        turns = ti.select(live, late + self.events[g].turn(p, old, new, resting, reach), trial)
-        whens = ti.select(live & (kinds != NONE), late + dues, NEVER)
-        first, place, due, near = NONE, NONE, whens.min(), 0
-        if due < NEVER:
-            for each in range(LANES):
-                if (place == NONE) & (whens[each] == due):
-                    first, place, near = kinds[each], each, ti.select(nears[each], 1, 0)
-        elif lane != NONE:
-            due, near = late[lane] + dues[lane], ti.select(nears[lane], 1, 0)
-        return first, place, due, near, turns.min()
+    def _meets(self, g: ti.template(), p, b):
+        """Whether moving particles of pack b may have come below a plane at the end of a step or within."""
+        meets = 0
+        reach = self.ending.reaches[b]
+        for k in ti.static(range(len(self.events[g].contacts))):
+            q = p[self.events[g].first + k]
+            n = ti.static(self.events[g].contacts[k].normal(q))
+            before = [dot(n, [self.ending.base[c + d, b] for d in ti.static(range(3))]) for c in ti.static((0, 3))]
+            after = dot(n, self.points.position(b)) - q[3]
+            dips = may_dip(before[0] - q[3], before[1], after, dot(n, self.points.velocity(b)), reach)
+            meets = ti.max(meets, ti.select((reach > 0.0) & ((after < 0.0) | dips), 1, 0).max())
+        return meets != 0
 
     @ti.func
-    def _released(self, g: ti.template(), p, b, state, target, kinds, dues, nears):
-        """What `PlaneEvents.first_event` found, and particles that forces draw off a plane at the end of the trial."""
-        resting, reach = self.resting[b], self.ending.reaches[b]
-        supported = self.motions[g].supported(p, state, self._raw(b), resting)
+    def _survey(self, g: ti.template(), p, b, lane, trial, target, tolerance):
+        """The same of one particle, without its lane."""
+        reach = self.ending.reaches[b][lane]
+        old, new = [self.ending.base[c, b][lane] for c in ti.static(range(6))], self._state(b, lane)
+        resting, forward = self.resting[b][lane], [self.footing[c, b][lane] for c in ti.static(range(3))]
+        first, due, near = self.events[g].first_event(p, old, new, resting, forward, reach, target, tolerance)
+        if resting != 0:
+            first, due, near = self._released(g, p, b, lane, new, target, first, due, near)
+        turn = self.events[g].turn(p, old, new, resting, reach)
+        late = trial - reach
+        return first, late + due, ti.select(near, 1, 0), late + turn
+
+    @ti.func
+    def _released(self, g: ti.template(), p, b, lane, state, target, first, due, near):
+        """What `PlaneEvents.first_event` found, or that forces draw the particle off a plane before."""
+        resting, reach = self.resting[b][lane], self.ending.reaches[b][lane]
+        supported = self.motions[g].supported(p, state, self._raw(b, lane), resting)
         for k in ti.static(range(len(self.events[g].contacts))):
             q = p[self.events[g].first + k]
             _, margin = self.events[g].height(q, k, state[:3])
             away = dot(self.events[g].contacts[k].normal(q), supported[:3])
-            pressing, start = supported[3 + k] - ti.max(away, 0.0), self.pressing[k, b]
-            when = reach * start / ti.max(start - pressing, 1e-30)
+            pressing, start = supported[3 + k] - ti.max(away, 0.0), self.pressing[k, b][lane]
+            when = reach * start / ti.max(start - pressing, TINY)
             off = rests_on(resting, k) & (-pressing * reach * reach > margin)
-            earlier = off & (when < ti.select(kinds == NONE, NEVER, dues))
-            concerns = earlier | ((kinds == NONE) & (target == RELEASE + k))
-            kinds = ti.select(earlier, RELEASE + k, kinds)
-            dues = ti.select(concerns, when, dues)
-            nears = ti.select(concerns, ti.abs(pressing) <= LOOSELY * start, nears)
-        return kinds, dues, nears
+            earlier = off & ((first == NONE) | (when < due))
+            concerns = earlier | ((first == NONE) & (target == RELEASE + k))
+            first = ti.select(earlier, RELEASE + k, first)
+            due = ti.select(concerns, when, due)
+            near = ti.select(concerns, ti.abs(pressing) <= LOOSELY * start, near)
+        return first, due, near
 
     @ti.func
     def strike(self, b, kind, lane, tolerance, quick):
@@ -198,64 +236,76 @@ class CoupledImpacts:
         """
         for g in ti.static(self.located):
             if self.points.holds(g, b):
-                self._strike(g, b - self.points.firsts[g], b, kind, lane, tolerance, quick)
+                p = self.groups[g].loaded()
+                for each in range(LANES):
+                    if self.ending.reaches[b][each] > 0.0:
+                        self._strike(g, p, b, each, ti.select(each == lane, kind, NONE), tolerance, quick)
 
     @ti.func
-    def _strike(self, g: ti.template(), own, b, kind, lane, tolerance, quick):
-        p, live = self.groups[g].loaded(), self.ending.reaches[b] > 0.0
-        x, y, z, u, v, w = self._state(b)
-        fate = self.groups[g].component("fate", own, 0)
-        target = ti.select(ti.Vector(list(range(LANES))) == lane, kind, NONE)
+    def _strike(self, g: ti.template(), p, b, lane, target, tolerance, quick):
+        x, y, z, u, v, w = self._state(b, lane)
+        fate = self._fate(g, b, lane)
         stops = target == SLIDING_STOPS
-        stalls = ti.select(quick, self.stalls[b], 0)
+        stalls = ti.select(quick, self.stalls[b][lane], 0)
         for k in ti.static(range(len(self.events[g].contacts))):
             q = p[self.events[g].first + k]
+            n = ti.static(self.events[g].contacts[k].normal(q))
             height, margin = self.events[g].height(q, k, [x, y, z])
-            speed = dot(self.events[g].contacts[k].normal(q), [u, v, w])
+            speed = dot(n, [u, v, w])
             near = (ti.abs(height) <= 4.0 * margin + tolerance * ti.abs(speed)) & (speed < 0.0)
-            hit = live & ((target == k) | (near & (rests_on(self.resting[b], k) == 0)))
+            hit = (target == k) | (near & (rests_on(self.resting[b][lane], k) == 0))
             x, y, z, u, v, w, fate = self.events[g].struck(q, k, [x, y, z, u, v, w], fate, hit)
             stalls = ti.select(hit, stalls + 1, stalls)
             stops = stops | (hit & (stalls >= 2 * MOST_STALLS))
-            speed = dot(self.events[g].contacts[k].normal(q), [u, v, w])
-            bounce = ti.select(hit & (stalls >= MOST_STALLS), speed, 0.0)
-            u, v, w = [[u, v, w][c] - self.events[g].contacts[k].normal(q)[c] * bounce for c in ti.static(range(3))]
-        self.stalls[b] = stalls
-        u, v, w = ti.select(stops, 0.0, u), ti.select(stops, 0.0, v), ti.select(stops, 0.0, w)
-        self._put(g, own, b, [x, y, z, u, v, w], fate)
+            bounce = ti.select(hit & (stalls >= MOST_STALLS), dot(n, [u, v, w]), 0.0)
+            u, v, w = [[u, v, w][c] - n[c] * bounce for c in ti.static(range(3))]
+        self.stalls[b][lane] = stalls
+        kept = ti.select(stops, 0.0, 1.0)
+        self._put(g, b, lane, [x, y, z, kept * u, kept * v, kept * w], fate)
 
     @ti.func
     def lift(self, b):
         """Put the particles of pack b that are below planes onto them, at rest."""
         for g in ti.static(self.located):
             if self.points.holds(g, b):
-                self._lift(g, b - self.points.firsts[g], b)
+                p = self.groups[g].loaded()
+                for lane in range(LANES):
+                    if self.ending.reaches[b][lane] > 0.0:
+                        self._lift(g, p, b, lane)
 
     @ti.func
-    def _lift(self, g: ti.template(), own, b):
-        p, live = self.groups[g].loaded(), self.ending.reaches[b] > 0.0
-        x, y, z, u, v, w = self._state(b)
-        fate = self.groups[g].component("fate", own, 0)
+    def _lift(self, g: ti.template(), p, b, lane):
+        x, y, z, u, v, w = self._state(b, lane)
+        fate, kept = self._fate(g, b, lane), 1.0
         for _ in range(SWEEPS):
             for k in ti.static(range(len(self.events[g].contacts))):
                 q = p[self.events[g].first + k]
                 height, margin = self.events[g].height(q, k, [x, y, z])
-                below = live & (height < -margin)
+                below = height < -margin
                 x, y, z, u, v, w, fate = self.events[g].struck(q, k, [x, y, z, u, v, w], fate, below)
-                u, v, w = ti.select(below, 0.0, u), ti.select(below, 0.0, v), ti.select(below, 0.0, w)
-        self._put(g, own, b, [x, y, z, u, v, w], fate)
+                kept = ti.select(below, 0.0, kept)
+        self._put(g, b, lane, [x, y, z, kept * u, kept * v, kept * w], fate)
 
     @ti.func
-    def _state(self, b):
-        return self.points.position(b) + self.points.velocity(b)
+    def _state(self, b, lane):
+        return [self.points.state[c, b][lane] for c in ti.static(range(6))]
 
     @ti.func
-    def _raw(self, b):
-        return [self.raw[c, b] for c in ti.static(range(3))]
+    def _raw(self, b, lane):
+        return [self.raw[c, b][lane] for c in ti.static(range(3))]
 
     @ti.func
-    def _put(self, g: ti.template(), own, b, state, fate):
-        for c in ti.static(range(6)):
-            self.points.state[c, b] = state[c]
+    def _fate(self, g: ti.template(), b, lane):
+        fate = 0
         if ti.static(self.groups[g].has("fate")):
-            self.groups[g].state.integers[self.groups[g].state.row("fate"), own] = fate
+            row = ti.static(self.groups[g].state.row("fate"))
+            fate = self.groups[g].state.integers[row, b - self.points.firsts[g]][lane]
+        return fate
+
+    @ti.func
+    def _put(self, g: ti.template(), b, lane, state, fate):
+        for c in ti.static(range(6)):
+            self.points.state[c, b][lane] = state[c]
+        if ti.static(self.groups[g].has("fate")):
+            row = ti.static(self.groups[g].state.row("fate"))
+            self.groups[g].state.integers[row, b - self.points.firsts[g]][lane] = fate
