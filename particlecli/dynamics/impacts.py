@@ -12,14 +12,11 @@ from particlecli.dynamics.group_plan import GroupPlan
 from particlecli.dynamics.impact_record import ImpactRecord
 from particlecli.dynamics.integrators.steppers import stepper
 from particlecli.dynamics.memory import FieldMemory
-from particlecli.dynamics.plane_events import NONE, SLIDING_STOPS, PlaneEvents
+from particlecli.dynamics.plane_events import MOST_STALLS, NONE, SLIDING_STOPS, PlaneEvents
 from particlecli.dynamics.resting import RestingMotion
 
 MOST_EVENTS = 2_000_000
 """Trial steps in one step; a particle that needs more is put to rest."""
-
-MOST_STALLS = 60
-"""Events in a row with hardly any time between them, as in a corner, after which a particle is put to rest."""
 
 
 @ti.data_oriented
@@ -68,7 +65,7 @@ class CarefulStepper:
         target = ti.select(x == x, NONE, NONE)
         events, stalls = 0, 0
         tolerance, instant = self.events.tolerance * h, self.events.instant * h
-        while (left > 0.0) & (events < MOST_EVENTS) & (stalls < MOST_STALLS):
+        while (left > 0.0) & (events < MOST_EVENTS) & (stalls < 2 * MOST_STALLS):
             events += 1
             now = t + (h - left)
             resting, f0, f1, f2 = self._footing(p, [x, y, z, u, v, w], now, h, inverse_mass)
@@ -100,7 +97,9 @@ class CarefulStepper:
             u, v, w = ti.select(stops, 0.0, u), ti.select(stops, 0.0, v), ti.select(stops, 0.0, w)
             for k in ti.static(range(len(self.contacts))):
                 hit = advanced & accepted & (target == k)
-                x, y, z, u, v, w, outcome = self.events.struck(p[self.first + k], k, [x, y, z, u, v, w], outcome, hit)
+                q = p[self.first + k]
+                x, y, z, u, v, w, outcome = self.events.struck(q, k, [x, y, z, u, v, w], outcome, hit)
+                u, v, w = self.events.flattened(q, k, [u, v, w], hit & (stalls >= MOST_STALLS))
                 self._note(own, hit, now + trial, [x, y, z, u, v, w])
             left = ti.select(outcome == fate, left, 0.0)
             stalls = ti.select(advanced, ti.select(accepted & (trial <= instant), stalls + 1, 0), stalls)

@@ -10,6 +10,10 @@ from particlecli.dynamics.dips import lowest_at, may_dip
 from particlecli.dynamics.group_plan import GroupPlan
 from particlecli.dynamics.resting import rests_on
 
+MOST_STALLS = 60
+"""Impacts of a particle in a row with hardly any time between them after which it no longer bounces; after twice as
+many, as in a corner, it stops."""
+
 NARROWEST = 1e-3
 """A lowest point nearer to an end of a trial than this share of it is the end."""
 
@@ -204,6 +208,13 @@ class PlaneEvents:
             slowed = self.contacts[k].rubbed(p, n, turned, impulse)
             return _where(hit, placed + slowed, state) + [fate]
         return _where(hit, placed + [0.0, 0.0, 0.0], state) + [ti.select(hit, self.contacts[k].outcome, fate)]
+
+    @ti.func
+    def flattened(self, p, k: ti.template(), v, chosen):
+        """Velocities v without what leads across plane k, in the mask `chosen`."""
+        n = ti.static(self.contacts[k].normal(p))
+        across = ti.select(chosen, dot(n, v), 0.0)
+        return [bound(add(v[c], mul(n[c], -across))) for c in ti.static(range(3))]
 
 
 def abs_of(c):

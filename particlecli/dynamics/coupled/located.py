@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from particlecli.dynamics.coupled.impacts import RELEASE
+from particlecli.dynamics.coupled.footing import RELEASE
 from particlecli.dynamics.coupled.serial import SerialMarch
 from particlecli.dynamics.coupled.step import Step
 from particlecli.dynamics.group_plan import LANES
@@ -112,7 +112,7 @@ class LocatedMarch(SerialMarch):
                     self.step.evaluate(i, b, t0 + now + self.step.times[ti.max(i, 0)] * h)
                 for b in range(packs):
                     if before:
-                        stands = ti.max(stands, self.impacts.foot(b, whole))
+                        stands = ti.max(stands, self.impacts.footing.find(b, whole))
                         self.step.begin(b, t0, now, h)
                     elif not after:
                         self.step.follow(i, b, t0 + now, h)

@@ -46,7 +46,9 @@ class SerialMarch:
                 done = 0.0 * h
                 while done < h:
                     left, now = h - done, s * h + done
-                    taken, _error, tries = self._stride(packs, t0, now, left, h, (s > 0) & (done == 0.0), 0.0 * h, crowd)
+                    taken, _error, tries = self._stride(
+                        packs, t0, now, left, h, (s > 0) & (done == 0.0), 0.0 * h, crowd
+                    )
                     self._finish(packs, t0, now, taken)
                     crowd = ti.select(taken < left, crowd + tries, 0)
                     done = ti.select(taken < left, done + taken, h)

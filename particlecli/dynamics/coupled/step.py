@@ -56,9 +56,9 @@ class Step:
         if ti.static(not self.locates):
             self.stages.keep(i, b, a)
         elif (i >= 0) & (i < self.evaluations):
-            self.stages.keep(i, b, self.impacts.held(b, a))
+            self.stages.keep(i, b, self.impacts.footing.held(b, a))
         else:
-            self.impacts.keep(b, a)
+            self.impacts.footing.keep(b, a)
 
     @ti.func
     def follow(self, i, b, t, h):
