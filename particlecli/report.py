@@ -13,6 +13,7 @@ from particlecli import __version__
 if TYPE_CHECKING:
     from particlecli.accuracy.estimate import GroupError
     from particlecli.auto.choice import Choice
+    from particlecli.scene.integrator import ContactScheme
 
 _LIBRARIES = ("taichi", "numpy")
 
@@ -54,6 +55,7 @@ class Report:
         births: by group.
         deaths: by group and cause.
         estimated_error: of positions, by group, see `GroupError`; a group of which nothing was compared is not there.
+        impacts: by group that meets planes: "located" at their instants, or at the "end_of_step".
         conserved: by quantity that the forces between particles keep, how far it drifted, see `Conserved`.
         particle_steps: steps taken, summed over all particles.
         particle_steps_per_second: while simulating.
@@ -80,6 +82,7 @@ class Report:
     births: dict[str, int]
     deaths: dict[str, dict[str, int]]
     estimated_error: dict[str, GroupError]
+    impacts: dict[str, ContactScheme]
     conserved: dict[str, float]
     particle_steps: int
     particle_steps_per_second: float

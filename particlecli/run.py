@@ -224,6 +224,7 @@ class _Run:
             births=dict(simulation.births),
             deaths={group: dict(causes) for group, causes in simulation.deaths.items()},
             estimated_error=errors,
+            impacts={group.name: group.impacts for group in simulation.plan.groups if group.impacts},
             conserved=drifts,
             particle_steps=simulation.particle_steps,
             particle_steps_per_second=simulation.particle_steps / seconds if seconds else 0.0,

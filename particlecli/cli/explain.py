@@ -95,6 +95,7 @@ def _group(plan: Plan, group: GroupPlan) -> dict[str, Any]:
         "forces": [{"type": force.type, "flow": getattr(force, "flow", None)} for force in group.forces],
         "flows": list(group.flows),
         "planes": [plane.on_hit for plane in group.planes],
+        "impacts": group.impacts,
         "cooling": group.cooling is not None,
         "pins": [
             {"where": pin.where.source, "frame": pin.frame, "path": pin.path and [each.source for each in pin.path]}
@@ -159,7 +160,8 @@ def _group_text(group: dict[str, Any]) -> list[str]:
         "    state " + ", ".join(f"{name} {count}" for name, count in group["state"].items()),
     ]
     if group["planes"]:
-        lines.append("    planes " + ", ".join(group["planes"]))
+        when = "at the ends of steps" if group["impacts"] == "end_of_step" else "at their instants"
+        lines.append(f"    planes {', '.join(group['planes'])}; impacts {when}")
     if group["cooling"]:
         lines.append("    cools")
     for pin in group["pins"]:

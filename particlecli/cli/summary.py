@@ -36,6 +36,9 @@ def summary(report: Report) -> str:
         lines += ["", *table(header, [_group(report, name) for name in report.births])]
     if report.estimated_error:
         lines += ["", *_errors(report)]
+    late = ", ".join(name for name, contact in report.impacts.items() if contact == "end_of_step")
+    if late:
+        lines += ["", f"  impacts on planes: at the ends of steps, not at their instants ({late})"]
     if report.conserved:
         drifts = ", ".join(f"{name} to {drift:.1e}" for name, drift in report.conserved.items())
         lines += ["", f"  kept: {drifts} of what is in motion"]

@@ -108,6 +108,13 @@ class GroupPlan:
         return isinstance(self.scheme, ImplicitRungeKutta)
 
     @property
+    def impacts(self) -> ContactScheme | None:
+        """When impacts on planes happen; none where there are no planes."""
+        if not self.planes:
+            return None
+        return self.contact if self.newtonian else "end_of_step"
+
+    @property
     def motion_components(self) -> tuple[str, ...]:
         """Components the integrator advances."""
         return MOTION["newtonian" if self.newtonian else "first_order"]

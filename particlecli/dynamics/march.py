@@ -55,7 +55,7 @@ class March:
         self.terms = [*motion.terms(), *self.contacts, *([self.cooling] if self.cooling else [])]
         self.first_contact = len(motion.terms())
         self.stepper = stepper(plan.scheme, motion, real, memory)
-        self.locates = bool(self.contacts) and plan.newtonian and plan.contact == "located"
+        self.locates = plan.impacts == "located"
         self.careful_stepper = CarefulStepper(plan, motion, self.contacts, self.first_contact, real, record, memory)
         self.calms = self.locates and isinstance(plan.scheme, (ExplicitRungeKutta, Splitting))
         self.cools = self.cooling is not None

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import psutil
 
 from particlecli.dynamics.births import EmitterBirths, ParticleBirths
-from particlecli.dynamics.group_plan import GroupPlan, plan_group
+from particlecli.dynamics.group_plan import LANES, GroupPlan, plan_group
 from particlecli.dynamics.kin import Brood
 from particlecli.dynamics.kinship import Kinship
 from particlecli.errors import Problem, SceneError
 from particlecli.scene.flows import FlowTerm
-from particlecli.scene.forces import CoupledForce
+from particlecli.scene.forces import Attraction, BodyDrag, CoupledForce, Springs
 from particlecli.scene.frames import chain
 from particlecli.scene.groups import Emitter, Particles
 from particlecli.scene.model import Scene
 from particlecli.scene.types import MOST
+
+MOST_SERIAL_PACKS = 32
+"""Up to so many packs of particles that act on each other take all steps of a frame in one kernel, on one thread: a
+launch would cost more than a stage."""
 
 
 @dataclass(frozen=True)
@@ -120,12 +125,13 @@ def _plan(scene: Scene) -> Plan:
     used = {flow for group in groups for flow in group.flows}
     flows = {name: terms for name, terms in scene.flows.items() if name in used}
     built = {group.name for group in groups}
+    couplings = _couplings(scene, groups)
     plan = Plan(
         scene=scene,
-        groups=groups,
+        groups=groups if acts_in_one_kernel(groups, couplings) else tuple(map(_at_ends_of_steps, groups)),
         flows=flows,
         steps_per_frame=steps,
-        couplings=_couplings(scene, groups),
+        couplings=couplings,
         broods=tuple(brood for brood in kinship.broods if brood.total and built >= {brood.parent, brood.child}),
     )
     _check_memory(plan)
@@ -139,6 +145,28 @@ def _couplings(scene: Scene, groups: tuple[GroupPlan, ...]) -> tuple[Coupling, .
         for number, force in numbered
     )
     return tuple(coupling for coupling in couplings if coupling.groups)
+
+
+def acts_in_one_kernel(groups: Iterable[GroupPlan], couplings: Iterable[Coupling]) -> bool:
+    """Whether particles that act on each other are few, by explicit steps and without anything to be sorted before.
+
+    Then they take all steps of a frame in one kernel, which cuts the step of all where one of them meets a plane.
+    """
+    coupled = {group.name: group for group in groups if group.coupled}
+    packs = sum(-(-group.capacity // LANES) for group in coupled.values())
+    few = packs <= MOST_SERIAL_PACKS and not any(group.implicit for group in coupled.values())
+    return few and all(
+        isinstance(each.force, (Springs, BodyDrag))
+        or (
+            isinstance(each.force, Attraction)
+            and not each.force.uses_tree(sum(coupled[name].capacity for name in each.groups))
+        )
+        for each in couplings
+    )
+
+
+def _at_ends_of_steps(group: GroupPlan) -> GroupPlan:
+    return replace(group, contact="end_of_step") if group.coupled else group
 
 
 def _longest_step(scene: Scene) -> float:

@@ -35,8 +35,10 @@ def test_children_couplings_and_fixed_groups_are_told(cli: Cli, tmp_path: Path) 
         "  shells: {rate: 1, lifetime: 0.5, children: {on: death, emitter: sparks, count: 7}}\n"
         "  sparks: {lifetime: 1}\n"
         "forces: [{type: attraction, strength: 1, on: [stars]}]\n"
+        "planes: [{on: [stars]}]\n"
     )
     text = cli("explain", "kin.yaml").stdout
+    assert "planes bounce; impacts at their instants" in text
     assert "bears sparks, 7 at each death" in text
     facts = json.loads(cli("explain", "kin.yaml", "--json").stdout)
     assert facts["coupled_by"] == [{"type": "attraction", "groups": ["stars"]}]

@@ -58,6 +58,12 @@ def test_dropped_ball_comes_to_rest_at_its_instant():
     np.testing.assert_array_equal(scene.get_state(), 0.0)
 
 
+def test_a_bouncy_ball_goes_on_sliding_where_its_bouncing_ends():
+    """Its last bounces are too quick to be told apart; they end in rest on the plane, not along it."""
+    end = advanced(ball(0.95, particles={"a": body((0, 1e-3, 0), (1, 0, 0))}), 2.0)
+    np.testing.assert_allclose(end, [2, 0, 0, 1, 0, 0], rtol=0, atol=1e-12)
+
+
 def order_through_bounces(scheme):
     """Of a body on an oscillator's orbit that hits a wall twice at an angle; its exact way is known."""
     steps = {

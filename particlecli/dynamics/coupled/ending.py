@@ -24,24 +24,23 @@ class Ending:
         groups: the coupled groups, in the order of `points.names`.
         points: all particles.
         base: field of packs, shape (6, packs): the state at the beginning of the step.
-        locates: whether impacts have happened at their instants by then, where groups allow that.
 
     Attributes:
-        located: the places of the groups of which they have.
+        located: the places of the groups whose impacts have happened at their instants by then.
         reaches: length of the part of the step that each particle takes, s: all of it, what is left of it after
             birth, or nothing for those that do not move.
         pins: particles that forces do not move.
         needed: whether anything happens besides motion.
     """
 
-    def __init__(self, groups: Sequence[Group], points: Points, base, *, locates: bool = False) -> None:
+    def __init__(self, groups: Sequence[Group], points: Points, base) -> None:
         self.groups = list(groups)
         self.points = points
         self.base = base
         self.pins = Pins([group.plan for group in groups], points)
         self.reaches = ti.field(ti.types.vector(LANES, points.real), shape=points.capacity)
         self.eventful = [bool(g.march.contacts or g.march.cools or g.has("fate") or g.has("age")) for g in groups]
-        self.located = [g for g, group in enumerate(groups) if locates and group.march.locates]
+        self.located = [g for g, group in enumerate(groups) if group.march.locates]
         self.needed = any(self.eventful)
 
     @ti.func

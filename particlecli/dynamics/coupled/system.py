@@ -26,11 +26,8 @@ from particlecli.dynamics.integrators.base import AdaptiveRungeKutta
 from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.outcome import NOBODY, Outcome
 from particlecli.dynamics.paced import FIRST_STEP, SHORTEST_STEP
-from particlecli.dynamics.plan import Coupling
+from particlecli.dynamics.plan import Coupling, acts_in_one_kernel
 from particlecli.errors import SimulationError
-
-MOST_SERIAL_PACKS = 32
-"""Up to so many packs take all steps of a frame in one kernel, on one thread: a launch would cost more than a stage."""
 
 
 @dataclass
@@ -71,9 +68,8 @@ class CoupledSystem:
         ]
         self._prepared = [term for term in self.terms if term.needs_preparation]
         motion, parts = CoupledMotion(self._groups, self.terms, self.points), stages(self._scheme, self.points)
-        few = not isinstance(parts, ImplicitStages) and self.points.capacity <= MOST_SERIAL_PACKS
-        serial = few and not self._prepared
-        step = Step(motion, parts, Ending(self._groups, self.points, parts.base, locates=serial))
+        serial = acts_in_one_kernel(plans, couplings)
+        step = Step(motion, parts, Ending(self._groups, self.points, parts.base))
         self._times = parts.times
         self._eventful, self._reuses = step.eventful, step.reuses
         self._stepper = self._groups[0].march.stepper if plan.adaptive else None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from particlecli import simulate
-from particlecli.dynamics.coupled import system as coupled_system
+from particlecli.dynamics import plan as plans
 from tests.dynamics.coupled.test_attraction import bodies
 from tests.dynamics.scenes import scene, system
 
@@ -70,7 +70,7 @@ def right():
 def test_schemes_agree_with_scipy_in_one_kernel_and_launch_by_launch(
     integrator, tolerance, most_serial_packs, right, monkeypatch
 ):
-    monkeypatch.setattr(coupled_system, "MOST_SERIAL_PACKS", most_serial_packs)
+    monkeypatch.setattr(plans, "MOST_SERIAL_PACKS", most_serial_packs)
     found = final(few(integrator))
     for name in "ab":
         np.testing.assert_allclose(found[name][:, 1:4], right[name], rtol=0, atol=tolerance)
