@@ -11,21 +11,23 @@ import numpy as np
 import taichi as ti
 from numpy.typing import NDArray
 
-from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, ExplicitRungeKutta, Splitting
+from particlecli.dynamics.flight_planes import HOLDS, FlightPlanes
+from particlecli.dynamics.flight_schemes import (
+    ADAPTIVELY,
+    COARSE,
+    DRIFT,
+    ERROR,
+    EVENLY,
+    SPLIT,
+    TIME,
+    WEIGHT,
+    Explicit,
+    scheme_table,
+)
+from particlecli.dynamics.integrators.base import Splitting
 from particlecli.dynamics.motion import Motion
 from particlecli.dynamics.probe import IDLE, Doubles, Probe
 from particlecli.runtime import Precision
-
-Explicit = ExplicitRungeKutta | AdaptiveRungeKutta | Splitting
-
-EVENLY, ADAPTIVELY, SPLIT = range(3)
-"""Kinds of schemes."""
-
-WEIGHT, TIME, ERROR, COARSE, DRIFT = range(5)
-"""Columns of a scheme's rows, one for each evaluation; splittings drift before each, their weight is that of a kick."""
-
-NORMAL, OFFSET, RESTITUTION, HOLDS, COULOMB, VISCOUS = 0, 3, 4, 5, 6, 7
-"""Columns of planes: normal, its product with a point of the plane, …, whether a hit ends the motion, …"""
 
 SHORTEST = 1e-6
 """A step shorter than so many frames means that the error cannot be controlled."""
@@ -46,7 +48,7 @@ class Course(NamedTuple):
     Attributes:
         interval: from one frame to the next, s.
         frames: how many each particle lives, shape (n,).
-        planes: a row for each, see `NORMAL` and so on, shape (planes, 8).
+        planes: a row for each, see `flight_planes`, shape (planes, 8).
         located: whether impacts happen within the step, or at its end.
         box: corners of the box outside of which particles die, shape (2, 3).
     """
@@ -70,6 +72,7 @@ class Flights(Probe):
 
     def __init__(self, motion: Motion, precision: Precision, most: int) -> None:
         super().__init__(motion, precision)
+        self.planes = FlightPlanes(self.components)
         self.slopes = ti.field(ti.f64, shape=(max(1, most), 16, IDLE))
 
     def fly(
@@ -96,7 +99,7 @@ class Flights(Probe):
             flight has failed; and the steps tried, shape (n,).
         """
         kind = SPLIT if isinstance(scheme, Splitting) else EVENLY if tolerance is None else ADAPTIVELY
-        weights, rows, last, exponent = _table(scheme)
+        weights, rows, last, exponent = scheme_table(scheme)
         count = states.shape[1]
         out = np.full((int(course.frames.max(initial=0)), count, 3), np.nan)
         tried = np.zeros(count)
@@ -145,71 +148,33 @@ class Flights(Probe):
                 h = part if kind != ADAPTIVELY else ti.min(pace, left)
                 if seeking > 0:
                     h = when
-                # A step of length h.
-                new, drifted = y, 0.0 * interval
-                for s in range(rows.shape[0]):
-                    at, then = y, time + rows[s, TIME] * h
-                    if kind == SPLIT:
-                        for c in ti.static(range(3)):
-                            new[c] = new[c] + rows[s, DRIFT] * h * new[c + 3]
-                        drifted += rows[s, DRIFT]
-                        at, then = new, time + drifted * h
-                    else:
-                        for j in range(s):
-                            for c in ti.static(range(self.components)):
-                                at[c] = at[c] + h * weights[s, j] * self.slopes[i, j, c]
-                    state = [ti.cast(at[c], self.real) for c in ti.static(range(IDLE))]
-                    k = self.motion.derivative(p, state, ti.cast(then, self.real), [inverse_mass])
-                    for c in ti.static(range(self.components)):
-                        slope = ti.cast(k[c], ti.f64)
-                        self.slopes[i, s, c] = slope
-                        if (kind != SPLIT) | (c > 2):
-                            new[c] = new[c] + h * rows[s, WEIGHT] * slope
-                if kind == SPLIT:
-                    for c in ti.static(range(3)):
-                        new[c] = new[c] + last * h * new[c + 3]
-                # What it brought.
+                new = self._stepped(p, i, kind, weights, rows, last, y, time, h, inverse_mass)
                 accepted = True
                 if (kind == ADAPTIVELY) & (seeking == 0):
                     tries += 1.0
                     error = self._error(i, rows, y, new, h) / tolerance
-                    if not (error < 1e10):
-                        error = 1e10
-                    change = ti.min(ti.max(SAFETY * ti.max(error, 1e-10) ** -exponent, SHRINKS), GROWS)
-                    if error <= 1.0:
-                        pace = ti.max(pace, h * change) if h < pace else h * change
-                    else:
-                        accepted = False
-                        pace = h * ti.min(change, SAFETY)
-                        lives = pace >= SHORTEST * interval
+                    accepted = error <= 1.0
+                    pace = self._pace(error, exponent, pace, h)
+                    lives = accepted | (pace >= SHORTEST * interval)
                 moved = 0.0 * interval
                 if accepted & (seeking > 0):
-                    height, speed = self._height(planes, struck, new)
                     if seeking <= CORRECTIONS:
-                        when = ti.min(ti.max(when - height / ti.select(speed < 0.0, speed, -1.0), 0.0), reach)
+                        when = self.planes.corrected(planes, struck, new, when, reach)
                         seeking += 1
                     else:
-                        y = self._hit(planes, struck, new, False)
+                        y = self.planes.hit(planes, struck, new, False)
                         held = planes[struck, HOLDS] > 0.0
                         moved, seeking = h, 0
                         impacts = impacts + 1 if h > 0.0 else MOST_IMPACTS
                 elif accepted:
                     deepest = 0.0 * interval
                     if (located == 1) & (impacts < MOST_IMPACTS):
-                        for k in range(plane_count):
-                            height, speed = self._height(planes, k, new)
-                            if (speed < 0.0) & (height < deepest):
-                                deepest, struck = height, k
+                        deepest, struck = self.planes.lowest(planes, plane_count, new)
                     if deepest < 0.0:
-                        before, rising = self._height(planes, struck, y)
-                        when, reach, seeking = h * _crossing(ti.max(before, 0.0), h * rising, deepest), h, 1
+                        when, reach, seeking = self.planes.due(planes, struck, y, deepest, h), h, 1
                     else:
-                        y, moved, impacts = new, h, 0
-                        for k in range(plane_count):
-                            height, speed = self._height(planes, k, y)
-                            if (height < 0.0) & (speed < 0.0) & (not held):
-                                y = self._hit(planes, k, y, located == 1)
-                                held = planes[k, HOLDS] > 0.0
+                        y, held = self.planes.met(planes, plane_count, new, held, located == 1)
+                        moved, impacts = h, 0
                 time += moved
                 left -= moved
                 part -= moved
@@ -224,6 +189,43 @@ class Flights(Probe):
                     left, part = interval, interval / steps
                     lives = (frame < frames[i]) & self._within(box, y)
             tried[i] = tries
+
+    @ti.func
+    def _stepped(
+        self, p, i, kind, weights: ti.template(), rows: ti.template(), last, y, time, h, inverse_mass: ti.template()
+    ):
+        """The state of flight i after a step of length h."""
+        new, drifted = y, 0.0 * h
+        for s in range(rows.shape[0]):
+            at, then = y, time + rows[s, TIME] * h
+            if kind == SPLIT:
+                for c in ti.static(range(3)):
+                    new[c] = new[c] + rows[s, DRIFT] * h * new[c + 3]
+                drifted += rows[s, DRIFT]
+                at, then = new, time + drifted * h
+            else:
+                for j in range(s):
+                    for c in ti.static(range(self.components)):
+                        at[c] = at[c] + h * weights[s, j] * self.slopes[i, j, c]
+            state = [ti.cast(at[c], self.real) for c in ti.static(range(IDLE))]
+            k = self.motion.derivative(p, state, ti.cast(then, self.real), [inverse_mass])
+            for c in ti.static(range(self.components)):
+                slope = ti.cast(k[c], ti.f64)
+                self.slopes[i, s, c] = slope
+                if (kind != SPLIT) | (c > 2):
+                    new[c] = new[c] + h * rows[s, WEIGHT] * slope
+        if kind == SPLIT:
+            for c in ti.static(range(3)):
+                new[c] = new[c] + last * h * new[c + 3]
+        return new
+
+    @ti.func
+    def _pace(self, error, exponent, pace, h):
+        """The step to take after one of length h with this error, 1 being tolerated."""
+        bound = error if error < 1e10 else 1e10
+        change = ti.min(ti.max(SAFETY * ti.max(bound, 1e-10) ** -exponent, SHRINKS), GROWS)
+        larger = ti.max(pace, h * change) if h < pace else h * change
+        return larger if bound <= 1.0 else h * ti.min(change, SAFETY)
 
     @ti.func
     def _error(self, i, rows: ti.template(), y, new, h):
@@ -243,36 +245,6 @@ class Flights(Probe):
         return fine
 
     @ti.func
-    def _height(self, planes: ti.template(), k, y):
-        """Above a plane, m, and its rate of change, m/s; what has no velocity always goes down."""
-        height, speed = -planes[k, OFFSET], 0.0 * y[0]
-        for c in ti.static(range(3)):
-            height += planes[k, NORMAL + c] * y[c]
-            speed += planes[k, NORMAL + c] * y[c + 3]
-        if ti.static(self.components == 3):
-            speed = -1.0
-        return height, speed
-
-    @ti.func
-    def _hit(self, planes: ti.template(), k, y, rests):
-        """A state put onto a plane, and turned round or stopped."""
-        height, speed = self._height(planes, k, y)
-        after = y
-        impulse = ti.max(0.0, -(1.0 + (0.0 if rests else planes[k, RESTITUTION])) * speed)
-        along = 0.0 * y[0]
-        for c in ti.static(range(3)):
-            after[c] = y[c] - height * planes[k, NORMAL + c]
-            along += (y[c + 3] + impulse * planes[k, NORMAL + c]) * planes[k, NORMAL + c]
-        sliding = ti.Vector([y[c + 3] + (impulse - along) * planes[k, NORMAL + c] for c in range(3)])
-        kept = ti.max(0.0, 1.0 - planes[k, COULOMB] * impulse / (sliding.norm() + 1e-300))
-        kept = kept * ti.exp(-planes[k, VISCOUS] * impulse)
-        if ti.static(self.components == 6):
-            for c in ti.static(range(3)):
-                turned = along * planes[k, NORMAL + c] + kept * sliding[c]
-                after[c + 3] = ti.select(planes[k, HOLDS] > 0.0, 0.0, turned)
-        return after
-
-    @ti.func
     def _finite(self, y):
         finite = True
         for c in ti.static(range(IDLE)):
@@ -285,38 +257,3 @@ class Flights(Probe):
         for c in ti.static(range(3)):
             inside = inside & (y[c] >= box[0, c]) & (y[c] <= box[1, c])
         return inside
-
-
-@ti.func
-def _crossing(above, rise, below):
-    """Where in a step a height, c ≥ 0 at first and d < 0 at last, is zero: of the parabola that begins with a slope."""
-    bend = below - above - rise
-    root = ti.sqrt(ti.max(rise * rise - 4.0 * bend * above, 0.0))
-    share = 2.0 * above / ti.max(root - rise, 1e-300)
-    if rise > 0.0:
-        share = (rise + root) / ti.max(-2.0 * bend, 1e-300)
-    return ti.min(ti.max(share, 0.0), 1.0)
-
-
-def _table(scheme: Explicit) -> tuple[Doubles, Doubles, float, float]:
-    """A scheme as data: weights of slopes in stages, its rows, the last drift, and the exponent of its control."""
-    if isinstance(scheme, Splitting):
-        kicks, drift = [], 0.0
-        for move, share in scheme.moves:
-            if move == "drift":
-                drift += share
-            else:
-                kicks.append((share, 0.0, 0.0, 0.0, drift))
-                drift = 0.0
-        return np.zeros((1, 1)), np.array(kicks), drift, 0.0
-    stages = len(scheme.b)
-    weights, rows = np.zeros((stages, stages)), np.zeros((stages, 5))
-    for s, row in enumerate(scheme.a):
-        weights[s, : len(row)] = row
-    rows[:, WEIGHT], rows[:, TIME] = scheme.b, scheme.c
-    if not isinstance(scheme, AdaptiveRungeKutta):
-        return weights, rows, 0.0, 0.0
-    rows[:, ERROR] = scheme.error
-    if scheme.coarse_error is not None:
-        rows[:, COARSE] = scheme.coarse_error
-    return weights, rows, 0.0, scheme.exponent
