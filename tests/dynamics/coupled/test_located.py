@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from particlecli import simulate
 from particlecli.dynamics.plan import make_plan
 from tests.dynamics.scenes import scene, system
 
@@ -98,7 +99,7 @@ def test_order_is_kept_through_bounces(pairs, scheme, declared, counts):
 
 
 PRESSED = np.array([0, 0, 0, 0.05, 0, 0, 0, 0, 0, 0, 0, 0])
-"""The lower one rests, and the spring throws the upper one up until it takes the other along, to be back before 0.9 s."""
+"""The spring throws the upper one up until it takes the lower one along, which rested and is back before 0.9 s."""
 
 
 @pytest.mark.parametrize(("scheme", "declared", "counts"), [
@@ -230,6 +231,38 @@ def test_a_particle_that_sticks_or_dies_does_so_at_its_instant(hit):
         np.testing.assert_allclose(state, [5.7, 0.75, 0, 1, -0.5, 0], atol=1e-12)
     else:
         np.testing.assert_allclose(state, [0.55, 5.7, 0, 0.75, 0, 0, 0, 1, 0, -0.5, 0, 0], atol=1e-12)
+
+
+@pytest.mark.slow
+def test_births_deaths_friction_and_cooling_go_as_in_groups_of_single_particles():
+    """RK4 is exact under gravity, so that cutting the step of all changes nothing where none feels another."""
+    sparks = {
+        "rate": 100,
+        "shape": {"type": "ball", "center": [0, 0.2, 0], "radius": 0.1},
+        "direction": {"axis": [0, 1, 0], "spread": 90},
+        "speed": {"uniform": [0, 2]},
+        "lifetime": {"uniform": [0.4, 0.9]},
+        "temperature": 1000,
+        "cooling": {"rate": 1},
+    }
+    parts = {
+        "duration": 1.5,
+        "precision": "double",
+        "emitters": {"sparks": sparks},
+        "planes": [
+            {"restitution": 0.5, "friction": 0.2},
+            {"point": [1, 0, 0], "normal": [-1, 0, 0], "on_hit": "stick"},
+        ],
+        "integrator": {"type": "rk4", "dt": 0.02},
+    }
+    weak = {"type": "attraction", "strength": 1e-30, "softening": 1}
+    *_, together = simulate(scene(**parts, forces=[{"type": "gravity"}, weak]), threads=1)
+    *_, single = simulate(scene(**parts, forces=[{"type": "gravity"}]), threads=1)
+    mine, theirs = together.groups["sparks"], single.groups["sparks"]
+    np.testing.assert_array_equal(mine.ids, theirs.ids)
+    np.testing.assert_allclose(mine.positions, theirs.positions, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(mine.velocities, theirs.velocities, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(mine.temperatures, theirs.temperatures, rtol=1e-12)
 
 
 def planned(**parts):
