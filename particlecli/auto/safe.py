@@ -3,31 +3,36 @@
 from __future__ import annotations
 
 import math
-from functools import reduce
 
 import numpy as np
 
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme, ClosedForm
 from particlecli.dynamics.plan import Plan
-from particlecli.scene.forces import Springs
+from particlecli.scene.forces import SoftSphere, Springs
+from particlecli.stability.contacts import contact_modes
 from particlecli.stability.growth import stability_limit
 from particlecli.stability.modes import Modes
 
 MARGIN = 0.85
 """Part of the longest stable step that is safe: what is bent and stretched oscillates faster than what is at rest, and
-near the limit errors fade so slowly, or grow so slowly, that a pilot of a few frames does not see it."""
+near the limit errors fade or grow so slowly that a pilot of a few frames does not see it."""
 
 
 class SafeSteps:
-    """The longest safe steps in a plan's coupled groups, by the modes of their springs at birth."""
+    """The longest safe steps in a plan's coupled groups, by the modes of springs at birth and of spheres that touch."""
 
     def __init__(self, plan: Plan) -> None:
         self._modes = Modes.of_pairs(np.empty(0, complex))
-        groups = [group for group in plan.groups if group.coupled]
+        groups = {group.name: group for group in plan.groups if group.coupled}
+        for each in plan.couplings:
+            if isinstance(each.force, SoftSphere):
+                touching = contact_modes(each.force, [groups[name] for name in each.groups])
+                self._modes = self._modes.joined(touching)
         if any(isinstance(each.force, Springs) for each in plan.couplings):
             from particlecli.stability.springs import fastest_modes  # brings SciPy, which other scenes do without
 
-            self._modes = reduce(Modes.joined, (fastest_modes(group, plan.couplings) for group in groups), self._modes)
+            for group in groups.values():
+                self._modes = self._modes.joined(fastest_modes(group, plan.couplings))
 
     def longest(self, scheme: AnyScheme) -> float:
         """The longest, s; infinite where nothing is known to limit it, and for a scheme that finds its own."""

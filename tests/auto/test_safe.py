@@ -11,6 +11,7 @@ from particlecli.auto.safe import MARGIN, SafeSteps
 from particlecli.auto.terms import TOGETHER
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.plan import make_plan
+from particlecli.stability.contacts import PACKED
 from particlecli.stability.springs import fastest_modes
 from tests.dynamics.scenes import body, scene
 
@@ -57,6 +58,24 @@ def test_no_scheme_steps_nearer_to_its_limit_than_the_margin(scheme, limit):
     (tried,) = (each for each in (choice.chosen, *choice.rejected) if each.scheme == scheme)
     assert tried.steps == math.ceil(1 / FPS / longest)
     assert tried.steps > 1
+
+
+def test_spheres_that_do_not_touch_yet_are_stepped_as_if_they_were_packed():
+    """In a face-centred packing waves q have the modes of Σ (1 − cos q·n) n nᵀ over the contacts n: 8 at most."""
+    signs = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
+    contacts = np.array([(a, b, 0) for a, b in signs] + [(a, 0, b) for a, b in signs] + [(0, a, b) for a, b in signs])
+    waves = np.pi * np.stack(np.meshgrid(*[np.linspace(0, 1, 9)] * 3), -1).reshape(-1, 3)
+    parts = np.einsum("wc,ci,cj->wij", 1 - np.cos(waves @ contacts.T), contacts, contacts) / 2
+    assert np.linalg.eigvalsh(parts).max() == pytest.approx(PACKED)
+    apart = scene(
+        fps=FPS,
+        particles={
+            "grains": {"layout": {"type": "line", "start": [0, 0, 0], "end": [9, 0, 0], "count": 4}, "mass": MASS}
+        },
+        forces=[{"type": "soft_sphere", "diameter": 0.1, "stiffness": 300}],
+    )
+    limit = 2 * math.sqrt(2) / math.sqrt(PACKED * 300 / MASS)
+    assert SafeSteps(make_plan(apart)).longest(SCHEMES["rk4"]) == pytest.approx(MARGIN * limit, rel=1e-3)
 
 
 class Flown:
