@@ -101,10 +101,11 @@ class Integrator(SceneModel):
         default=None,
     )
     contact: ContactScheme = described(
-        "located: impacts on planes happen at their instant within the step; end_of_step: the classic course's "
-        "scheme, which corrects what is found below a plane after each step. It is the only one for planes that ride "
-        "on moving frames, and of particles that act on each other for many (over 512), for implicit schemes and for "
-        "forces between neighbours and by a tree; `explain` and every run tell which one a group has",
+        "located: impacts on planes happen at their instant within the step; of particles that act on each other, "
+        "the step of all is cut there. end_of_step: the classic course's scheme, which corrects what is found below a "
+        "plane after each step; quicker where many meet planes. It is the only one for planes that ride on moving "
+        "frames, and of particles that act on each other for many (over 512), for implicit schemes and for forces "
+        "between neighbours and by a tree; `explain` and every run tell which one a group has",
         default="located",
     )
     allow_unstable: Flag = described(

@@ -1,7 +1,6 @@
 """CoupledSystem: all particles that act on each other, advanced frame by frame with one step for all."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +9,7 @@ from particlecli.dynamics.coupled.ending import DIED, FAILED, Ending
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
 from particlecli.dynamics.coupled.kernels import StageKernels
 from particlecli.dynamics.coupled.krylov import Krylov
+from particlecli.dynamics.coupled.launched import LaunchedMarch, Pace, make_sure
 from particlecli.dynamics.coupled.located import LocatedMarch
 from particlecli.dynamics.coupled.motion import CoupledMotion
 from particlecli.dynamics.coupled.newton import Newton
@@ -21,21 +21,9 @@ from particlecli.dynamics.coupled.stages import stages
 from particlecli.dynamics.coupled.step import Step
 from particlecli.dynamics.group import Group
 from particlecli.dynamics.group_plan import LANES, GroupPlan
-from particlecli.dynamics.integrators.adaptive import LARGEST_CHANGE, SAFETY, SMALLEST_CHANGE
-from particlecli.dynamics.integrators.base import AdaptiveRungeKutta
 from particlecli.dynamics.memory import FieldMemory
 from particlecli.dynamics.outcome import NOBODY, Outcome
-from particlecli.dynamics.paced import FIRST_STEP, SHORTEST_STEP
 from particlecli.dynamics.plan import Coupling, acts_in_one_kernel
-from particlecli.errors import SimulationError
-
-
-@dataclass
-class Pace:
-    """How an adaptive scheme goes: the step it would like, s (0: not known yet), and the error of the last one."""
-
-    liked: float = 0.0
-    last: float = 1e-4
 
 
 class CoupledSystem:
@@ -59,7 +47,6 @@ class CoupledSystem:
         self._groups = list(groups.values())
         plans = [group.plan for group in self._groups]
         plan = plans[0]
-        self._scheme = plan.scheme
         self._longest, self.tolerance = plan.longest_step, plan.tolerance
         self.points = Points({name: group.plan.capacity for name, group in groups.items()}, real, memory)
         self.terms = [
@@ -67,13 +54,14 @@ class CoupledSystem:
             for each in couplings
         ]
         self._prepared = [term for term in self.terms if term.needs_preparation]
-        motion, parts = CoupledMotion(self._groups, self.terms, self.points), stages(self._scheme, self.points)
+        motion, parts = CoupledMotion(self._groups, self.terms, self.points), stages(plan.scheme, self.points)
         serial = acts_in_one_kernel(plans, couplings)
         step = Step(motion, parts, Ending(self._groups, self.points, parts.base))
         self._times = parts.times
-        self._eventful, self._reuses = step.eventful, step.reuses
+        self._eventful = step.eventful
         self._stepper = self._groups[0].march.stepper if plan.adaptive else None
         self._kernels = StageKernels(step)
+        self._launched = LaunchedMarch(self._kernels, self._times, plan.scheme, self._prepare)
         self._newton = self._make_newton(step, parts, plan) if isinstance(parts, ImplicitStages) else None
         march = LocatedMarch if step.locates else SerialMarch
         self._serial = march(step, self._stepper) if serial else None
@@ -218,77 +206,24 @@ class CoupledSystem:
             return steps, int(record[3])
         self._serial.paced(packs, start, interval, self._longest, self.tolerance, flags, record)
         self._pace = Pace(*record[:2])
-        _make_sure(record[4] >= interval, start + record[4])
+        make_sure(record[4] >= interval, start + record[4])
         return int(record[2]), int(record[3])
 
     def _march_by_launches(
         self, start: float, interval: float, steps: int, flags: NDArray[np.int32]
     ) -> tuple[int, int]:
         """Launch by launch; how many steps were taken and tried."""
-        self._kernels.load(self.points.packs)
+        packs = self.points.packs
+        self._kernels.load(packs)
         taken = tried = steps
         if self._stepper:
-            taken, tried = self._march_paced(start, interval)
+            taken, tried = self._launched.paced(packs, start, interval, self._longest, self.tolerance, self._pace)
         elif self._newton:
             lengths = [(s * interval / steps, interval / steps) for s in range(steps)]
-            tried = sum(self._newton.step(self.points.packs, start, now, h) for now, h in lengths)
+            tried = sum(self._newton.step(packs, start, now, h) for now, h in lengths)
         else:
-            for s in range(steps):
-                self._step(start, s * interval / steps, interval / steps, again=s > 0)
+            self._launched.evenly(packs, start, interval, steps)
         for term in self._prepared:
             term.settle()
-        self._kernels.store(self.points.packs, interval, flags)
+        self._kernels.store(packs, interval, flags)
         return taken, tried
-
-    def _step(self, start: float, now: float, h: float, *, again: bool) -> None:
-        """A step of length h from `now`, s after `start`; `again`: it follows another one."""
-        packs, last = self.points.packs, len(self._times) - 1
-        for i, share in enumerate(self._times):
-            known = again and self._reuses and i == 0
-            if not known:
-                self._prepare(start + now + share * h)
-            ends = i == last and self._eventful and not self._stepper
-            counts = (packs if i == 0 else 0, 0 if known else packs, packs, packs if ends else 0)
-            self._kernels.stage(i, *counts, start, now, h)
-
-    def _march_paced(self, start: float, interval: float) -> tuple[int, int]:
-        """Steps by the estimated error; how many were taken and tried."""
-        pace, now, taken, tried = self._pace, 0.0, 0, 0
-        liked = pace.liked or FIRST_STEP * interval
-        while now < interval:
-            _make_sure(liked >= SHORTEST_STEP * interval, start + now)
-            left = interval - now
-            h = min(liked, self._longest, left)
-            h = left if left - h < 1e-9 * interval else h
-            self._step(start, now, h, again=False)
-            error = float(self._kernels.error(self.points.packs, self.tolerance))
-            tried += 1
-            if error <= 1.0:
-                if self._eventful:
-                    self._kernels.end(self.points.packs, start, now, h)
-                factor = self._change(error, pace.last)
-                liked = max(liked, h * factor) if h < liked else h * factor
-                pace.last = max(error, 1e-4)
-                now = now + h if h < left else interval
-                taken += 1
-            else:
-                self._kernels.revert(self.points.packs)
-                liked = h * min(self._change(error, 1.0), 0.9)
-        pace.liked = liked
-        return taken, tried
-
-    def _change(self, error: float, last: float) -> float:
-        """As `AdaptiveStepper.change`, on the host."""
-        assert isinstance(self._scheme, AdaptiveRungeKutta)
-        factor: float = SAFETY * max(error, 1e-10) ** -self._scheme.exponent * last**self._scheme.memory
-        return min(max(factor, SMALLEST_CHANGE), LARGEST_CHANGE)
-
-
-def _make_sure(possible: bool, time: float) -> None:
-    """That an adaptive scheme can go on at a time, s."""
-    if not possible:
-        raise SimulationError(
-            f"at t = {time:.9g} s the error can no longer be held within integrator.tolerance, however short the step: "
-            "particles come so near each other that the force between them grows beyond all bounds. "
-            "Give the force a softening, or end the scene before"
-        )
