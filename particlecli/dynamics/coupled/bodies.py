@@ -1,8 +1,9 @@
 """Which particles that springs join make up a body, for a coarse correction of implicit steps.
 
-Particles joined by the stiffest springs are gathered (Vaněk, Mandel & Brezina, Computing 56 (1996) 179), then bodies
-are joined two by two until the equations of all of them are cheap enough to solve directly. Set up once on the host
-from which particles are joined and how stiffly.
+What stiff springs hold together is cut in two across its longest side, and each part again (recursive coordinate
+bisection: Berger & Bokhari, IEEE Trans. Comput. C-36 (1987) 570), into as many bodies as can be solved for directly.
+Round bodies of equal size need a third fewer iterations of conjugate gradients than ones gathered from neighbour to
+neighbour. Set up once on the host from which particles are joined, how stiffly, and where they are at first.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from particlecli.dynamics.coupled.elimination import Elimination
 
@@ -19,11 +21,17 @@ Doubles = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 STRONG = 0.1
-"""Links weaker than this share of the stiffest at both ends do not gather particles."""
+"""Links weaker than this share of the stiffest at both ends do not hold a body together."""
 
-LINKS_A_BLOCK = 16
+FEWEST = 8
+"""Particles in a body, on average, are so many at least."""
+
+FEWER = 0.75
+"""Share of bodies that are left when all of them were too expensive."""
+
+LINKS_A_BLOCK = 32
 """There must be so many links between particles for each block of the factor of the equations of bodies: then its
-solution takes about as long as the forces of the links."""
+solution takes half as long as the forces of the links."""
 
 FEW_BLOCKS = 64
 """A factor of so few blocks is cheap enough for any number of links."""
@@ -62,58 +70,41 @@ class Graph:
         return Graph(size, pairs, weights)
 
 
-def bodies(graph: Graph, free: NDArray[np.bool_]) -> tuple[Indices, Elimination]:
+def bodies(graph: Graph, positions: Doubles, free: NDArray[np.bool_]) -> tuple[Indices, Elimination]:
     """The body of each particle, −1 for those that do not move or are not joined; and how to solve for all bodies.
 
     Bodies have the numbers in which they are eliminated.
 
     Args:
         graph: particles and springs.
+        positions: where particles are at first, m, shape (count, 3).
         free: shape (count,): which particles move.
     """
     kept = free[graph.pairs].all(axis=1) & (graph.pairs[:, 0] != graph.pairs[:, 1])
-    owners = _gathered(Graph(graph.count, graph.pairs[kept], graph.weights[kept]))
+    parts = _held_together(Graph(graph.count, graph.pairs[kept], graph.weights[kept]))
     affordable = max(FEW_BLOCKS, len(graph.pairs) // LINKS_A_BLOCK)
+    wanted = sum(map(len, parts)) / FEWEST
     while True:
+        owners = _cut(parts, positions, wanted)
         coarser = graph.contracted(owners)
         elimination = Elimination.of(coarser.count, coarser.pairs)
-        if len(elimination.rows) <= affordable:
-            found = np.full(graph.count, -1)
-            found[owners >= 0] = elimination.places[owners[owners >= 0]]
-            return found, elimination
-        owners = np.where(owners >= 0, _matched(coarser)[owners], -1)
+        if len(elimination.rows) <= affordable or coarser.count == len(parts):
+            owners[owners >= 0] = elimination.places[owners[owners >= 0]]
+            return owners, elimination
+        wanted = FEWER * coarser.count
 
 
-def _gathered(graph: Graph) -> Indices:
-    """The number of each particle's body, −1 for those that are not joined; in the order of their numbers.
-
-    First, every particle none of whose neighbours are taken gathers all of them; those left over go to the body that
-    holds them most strongly.
-    """
+def _held_together(graph: Graph) -> list[Indices]:
+    """The particles of each part that strong links hold together, of those that are joined at all."""
     links = graph.matrix()
     joined = np.flatnonzero(np.diff(links.indptr) > 0)
-    links = _strong(links)
-    starts, others, weights = links.indptr.tolist(), links.indices, links.data
-    found = np.full(graph.count, -1)
-    count = 0
-    for i in joined.tolist():
-        around = others[starts[i] : starts[i + 1]]
-        if found[i] < 0 and not (found[around] >= 0).any():
-            found[around] = found[i] = count
-            count += 1
-    first = found.copy()
-    for i in joined[first[joined] < 0].tolist():
-        around = slice(starts[i], starts[i + 1])
-        held = first[others[around]]
-        if (held >= 0).any():
-            found[i] = held[np.argmax(np.where(held >= 0, weights[around], -1.0))]
-        else:
-            found[i], count = count, count + 1
-    return found
+    labels = connected_components(_strong(links), directed=False)[1][joined]
+    order = np.argsort(labels, kind="stable")
+    return np.split(joined[order], np.flatnonzero(np.diff(labels[order])) + 1) if len(joined) else []
 
 
 def _strong(links: csr_array) -> csr_array:
-    """The links that gather particles."""
+    """The links that hold bodies together."""
     strongest = np.asarray(links.max(axis=1).todense()).ravel()
     found = links.tocoo()
     kept = found.data >= STRONG * np.sqrt(strongest[found.row] * strongest[found.col])
@@ -121,18 +112,19 @@ def _strong(links: csr_array) -> csr_array:
     return strong
 
 
-def _matched(graph: Graph) -> Indices:
-    """New numbers of bodies: each takes the one that is joined to it most strongly of those that nobody has taken."""
-    links = graph.matrix()
-    starts, others, weights = links.indptr.tolist(), links.indices, links.data
-    found = np.full(graph.count, -1)
-    count = 0
-    for i in range(graph.count):
-        if found[i] >= 0:
+def _cut(parts: list[Indices], positions: Doubles, wanted: float) -> Indices:
+    """The body of each particle, −1 outside of all parts: about `wanted` of them, one in a part at least."""
+    owners = np.full(len(positions), -1)
+    size, count = sum(map(len, parts)), 0
+    waiting = [(part, max(1, round(wanted * len(part) / size))) for part in reversed(parts)]
+    while waiting:
+        part, pieces = waiting.pop()
+        if pieces == 1:
+            owners[part] = count
+            count += 1
             continue
-        around = slice(starts[i], starts[i + 1])
-        free = others[around][found[others[around]] < 0]
-        if len(free):
-            found[free[np.argmax(weights[around][found[others[around]] < 0])]] = count
-        found[i], count = count, count + 1
-    return found
+        places = positions[part]
+        order = part[np.argsort(places[:, np.argmax(np.ptp(places, axis=0))], kind="stable")]
+        cut = round(len(part) * (pieces // 2) / pieces)
+        waiting += [(order[cut:], pieces - pieces // 2), (order[:cut], pieces // 2)]
+    return owners

@@ -22,6 +22,9 @@ RESIDUAL, SHARE_OF_OLD, LENGTH, FOUND, SIZE, ROUNDING = range(6)
 """Places in the numbers: r·z; β; step length α; δ·Aδ of the change found; Σ m |k|²; what rounding of positions is worth
 as δ·Aδ, times h⁴ a⁴."""
 
+MANY = 4096
+"""For fewer packs threads take longer to start than what they would share: only the product with the matrix is."""
+
 EPSILON = {ti.f32: 2.0**-24, ti.f64: 2.0**-53}
 """Largest relative error of one rounding."""
 
@@ -48,7 +51,8 @@ class Krylov:
         self.direction = ti.field(pack, shape=(3, packs))
         self.image = ti.field(pack, shape=(3, packs))
         self.change = ti.field(pack, shape=(3, packs))
-        self.parts = ti.field(ti.f64, shape=(3, packs))
+        self.parts = ti.field(pack, shape=(3, packs))
+        self.few = packs < MANY
         self.numbers = ti.field(ti.f64, shape=6)
         self.found = self.points.memory.view(self.numbers)
         self.epsilon = EPSILON[step.real]
@@ -63,9 +67,11 @@ class Krylov:
     @ti.kernel
     def approach(self, row: ti.i32, beginning: ti.i32, packs: ti.i32, start: ti.f64, now: ti.f64, length: ti.f64):
         """Bring points to a stage of a step from `now`, s after `start`; so many packs begin the step first."""
+        ti.loop_config(serialize=self.few)
         for b in range(beginning):
             t0, h = ti.cast(start, self.real), ti.cast(length, self.real)
             self.step.begin(b, t0, ti.cast(now, self.real), h)
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
             h = ti.cast(length, self.real)
             self.stages.approach(row, b, self.ending.reaches[b])
@@ -101,7 +107,7 @@ class Krylov:
                 / (mass + stiff)
                 * (self.epsilon * self.points.state[ti.static((0, 3, 5).index(c)), b]) ** 2
             )
-        self.parts[2, b] = ti.cast(ti.select(moves, rounding, 0.0).sum(), ti.f64)
+        self.parts[2, b] = ti.select(moves, rounding, 0.0)
         for c in ti.static(range(6)):
             own = mass + both[c] if ti.static(c in (0, 3, 5)) else both[c]
             self.alone[c, b] = own
@@ -129,19 +135,21 @@ class Krylov:
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._measure_step(packs * begun)
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
             self._advance(b)
         if ti.static(self.bodies.count > 0):
-            ti.loop_config(block_dim=1)
+            ti.loop_config(block_dim=1, serialize=self.few)
             for branch in range(self.bodies.factor.branches):
                 self.bodies.begin(branch)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self._measure_turn(packs, begun)
         if ti.static(self.bodies.count > 0):
-            ti.loop_config(block_dim=1)
+            ti.loop_config(block_dim=1, serialize=self.few)
             for branch in range(self.bodies.factor.branches):
                 self.bodies.end(branch)
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
             self._turn(b)
 
@@ -154,7 +162,7 @@ class Krylov:
             image = ti.select(moves, own[c] + others[c], 0.0)
             self.image[c, b] = image
             total += image * self.direction[c, b]
-        self.parts[1, b] = ti.cast(total.sum(), ti.f64)
+        self.parts[1, b] = total
 
     @ti.func
     def _measure_step(self, packs):
@@ -176,10 +184,10 @@ class Krylov:
     @ti.func
     def _total(self, part: ti.template(), packs):
         """The sum of a part of all packs."""
-        total = ti.cast(0.0, ti.f64)
+        total = ti.Vector.zero(ti.f64, LANES)
         for b in range(packs):
-            total += self.parts[part, b]
-        return total
+            total += ti.cast(self.parts[part, b], ti.f64)
+        return total.sum()
 
     @ti.func
     def _advance(self, b):
@@ -191,7 +199,7 @@ class Krylov:
         for c in ti.static(range(3)):
             self.better[c, b] = z[c]
             total += z[c] * self.residual[c, b]
-        self.parts[0, b] = ti.cast(total.sum(), ti.f64)
+        self.parts[0, b] = total
         if ti.static(self.bodies.count > 0):
             row = self.bodies.rows.row(b)
             if row >= 0:
@@ -218,6 +226,7 @@ class Krylov:
     @ti.kernel
     def forget(self, i: ti.i32, packs: ti.i32):
         """Begin the search for the accelerations of stage i from none."""
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
             for c in ti.static(range(3)):
                 self.stages.slopes[3 * i + c, b] = 0.0 * self.points.mass[b]
@@ -225,13 +234,14 @@ class Krylov:
     @ti.kernel
     def update(self, i: ti.i32, packs: ti.i32):
         """Change the accelerations of stage i, and measure them and what rounding is worth."""
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
             size, moves = 0.0 * self.points.mass[b], self._moves(b)
             for c in ti.static(range(3)):
                 k = self.stages.slopes[3 * i + c, b] + self.change[c, b]
                 self.stages.slopes[3 * i + c, b] = k
                 size += ti.select(moves, self.points.mass[b] * k**2, 0.0)
-            self.parts[0, b] = ti.cast(size.sum(), ti.f64)
+            self.parts[0, b] = size
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.numbers[SIZE], self.numbers[ROUNDING] = self._total(0, packs), self._total(2, packs)

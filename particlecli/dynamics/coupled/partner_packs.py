@@ -35,27 +35,28 @@ class PartnerPacks:
         self.ways = points.memory.table(ti.i32, ways if len(ways) else np.zeros((1, 2), np.int32))
 
     @ti.func
-    def vectors(self, field: ti.template(), slot, b, first):
+    def vectors(self, field: ti.template(), row: ti.template(), slot, b, first):
         """Vectors of the partners in a slot, three packs of a field; of lanes without a partner those of any particle.
 
         Args:
-            field: of packs, shape (3, packs).
+            field: of packs, shape (rows, packs).
+            row: where vectors begin, of three rows.
             slot: in the table, of pack b.
             first: the first pack of the group.
         """
         last, turn = self._last(b), self.ways[slot, 1]
         near = ti.min(ti.max(b + self.ways[slot, 0], first), last)
-        x, y, z = field[0, near], field[1, near], field[2, near]
+        x, y, z = field[row, near], field[row + 1, near], field[row + 2, near]
         for w in ti.static(self.turns):
             if turn == w:
                 far = ti.min(ti.max(b + self.ways[slot, 0] + 1, first), last)
-                x = _turned(x, field[0, far], w)
-                y = _turned(y, field[1, far], w)
-                z = _turned(z, field[2, far], w)
+                x = _turned(x, field[row, far], w)
+                y = _turned(y, field[row + 1, far], w)
+                z = _turned(z, field[row + 2, far], w)
         if turn < 0:
-            x = self.points.gathered_from(field, 0, self.partners[slot], first)
-            y = self.points.gathered_from(field, 1, self.partners[slot], first)
-            z = self.points.gathered_from(field, 2, self.partners[slot], first)
+            x = self.points.gathered_from(field, row, self.partners[slot], first)
+            y = self.points.gathered_from(field, row + 1, self.partners[slot], first)
+            z = self.points.gathered_from(field, row + 2, self.partners[slot], first)
         return x, y, z
 
     @ti.func

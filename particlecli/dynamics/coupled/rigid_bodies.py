@@ -35,7 +35,7 @@ class RigidBodies:
 
     def __init__(self, rows: SpringRows, pins: Pins, alone) -> None:
         self.rows = rows
-        owners, elimination = bodies(rows.graph()[0], rows.free(pins))
+        owners, elimination = bodies(rows.graph()[0], rows.positions(), rows.free(pins))
         self.count = elimination.count
         if self.count:
             self.factor = BlockFactor(elimination, rows.points)

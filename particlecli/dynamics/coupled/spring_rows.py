@@ -42,6 +42,15 @@ class SpringRows:
             weights.append(np.full(len(entries[-1]), each.spec.stiffness))
         return Graph(self.count * LANES, np.concatenate(pairs), np.concatenate(weights)), entries
 
+    def positions(self):
+        """Where particles are at first, m, shape (16 rows, 3); zero in lanes without one."""
+        found = np.zeros((self.count * LANES, 3))
+        for each in self.springs:
+            for g, positions in zip(each.groups, each.positions, strict=True):
+                first = self.firsts[self.groups.index(g)] * LANES
+                found[first : first + positions.shape[1]] = positions.T
+        return found
+
     def free(self, pins: Pins):
         """Which places move, shape (16 rows)."""
         free = np.ones(self.count * LANES, bool)

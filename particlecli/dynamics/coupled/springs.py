@@ -29,6 +29,9 @@ class Springs(CoupledTerm[scene.Springs]):
 
     Args:
         plans: of all groups of `points`, in their order.
+
+    Attributes:
+        positions: for each of `groups`, where its particles are at first, m, shape (3, particles).
     """
 
     has_potential = True
@@ -38,7 +41,8 @@ class Springs(CoupledTerm[scene.Springs]):
         super().__init__(spec, points, groups)
         self.needs_places = bool({"s", "side"} & spec.rest_length.names)
         self.ends_steps = spec.breaks_at is not None
-        tables = [_table(spec, plans[g]) for g in groups]
+        self.positions = [plans[g].births.table(0, plans[g].births.total).positions for g in groups]
+        tables = [_table(spec, plans[g], at) for g, at in zip(groups, self.positions, strict=True)]
         self.first_rows = np.cumsum([0, *(len(starts) for starts, *_ in tables)]).tolist()
         slots = np.cumsum([0, *(len(partners) for _, partners, *_ in tables)])
         starts = np.concatenate([table[0] + slot for table, slot in zip(tables, slots, strict=False)])
@@ -96,11 +100,9 @@ class Springs(CoupledTerm[scene.Springs]):
             dx, dy, dz, length, inverse = self._span(slot, b, first)
             pull = p[0] * (length - self._rest(slot, t))
             if ti.static(self.spec.damping > 0):
-                du = self.points.gathered(3, self.partners[slot], first) - self.points.state[3, b]
-                dv = self.points.gathered(4, self.partners[slot], first) - self.points.state[4, b]
-                dw = self.points.gathered(5, self.partners[slot], first) - self.points.state[5, b]
+                du, dv, dw = self._apart(3, slot, b, first)
                 pull += p[1] * (du * dx + dv * dy + dw * dz) * inverse
-            pull *= inverse
+            pull = ti.select(self._joins(slot, b, first), pull * inverse, 0.0)
             fx, fy, fz = fx + pull * dx, fy + pull * dy, fz + pull * dz
         weight = ti.select(mass > 0.0, 1.0 / mass, 0.0)
         return [weight * fx, weight * fy, weight * fz]
@@ -112,8 +114,7 @@ class Springs(CoupledTerm[scene.Springs]):
         first, row = self._place(b)
         for slot in range(self.starts[row], self.starts[row + 1]):
             stretch = self._span(slot, b, first)[3] - self._rest(slot, t)
-            joins = self.partners[slot] != self._own(b, first)
-            energy += ti.select(joins, 0.25 * p[0] * stretch * stretch, 0.0)
+            energy += ti.select(self._joins(slot, b, first), 0.25 * p[0] * stretch * stretch, 0.0)
         return energy
 
     @ti.func
@@ -125,7 +126,7 @@ class Springs(CoupledTerm[scene.Springs]):
         for slot in range(self.starts[row], self.starts[row + 1]):
             dx, dy, dz, _, inverse = self._span(slot, b, first)
             nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
-            joins = self.partners[slot] != self._own(b, first)
+            joins = self._joins(slot, b, first)
             taut = ti.max(0.0, 1.0 - self._rest(slot, t) * inverse)
             c = ti.select(joins, by_position * p[0] * taut, 0.0)
             s = ti.select(joins, by_position * p[0] * (1.0 - taut) + by_velocity * p[1], 0.0)
@@ -143,7 +144,7 @@ class Springs(CoupledTerm[scene.Springs]):
         x, y, z = zero, zero, zero
         first, row = self._place(b)
         for slot in range(self.starts[row], self.starts[row + 1]):
-            qx, qy, qz = self.partner_packs.vectors(vectors, slot, b, first)
+            qx, qy, qz = self.partner_packs.vectors(vectors, 0, slot, b, first)
             nx, ny, nz, c = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot], self.stiff[3, slot]
             along = nx * qx + ny * qy + nz * qz
             x, y, z = x - along * nx - c * qx, y - along * ny - c * qy, z - along * nz - c * qz
@@ -177,11 +178,20 @@ class Springs(CoupledTerm[scene.Springs]):
     @ti.func
     def _span(self, slot, b, first):
         """From a pack's particles to their partners: components and length, m, and 1/length or zero."""
-        dx = self.points.gathered(0, self.partners[slot], first) - self.points.state[0, b]
-        dy = self.points.gathered(1, self.partners[slot], first) - self.points.state[1, b]
-        dz = self.points.gathered(2, self.partners[slot], first) - self.points.state[2, b]
+        dx, dy, dz = self._apart(0, slot, b, first)
         length = ti.sqrt(dx * dx + dy * dy + dz * dz)
         return [dx, dy, dz, length, ti.select(length > 0.0, 1.0 / length, 0.0)]
+
+    @ti.func
+    def _apart(self, row: ti.template(), slot, b, first):
+        """Three rows of the state of a pack's partners less those of its particles; finite without a partner."""
+        x, y, z = self.partner_packs.vectors(self.points.state, row, slot, b, first)
+        return [x - self.points.state[row, b], y - self.points.state[row + 1, b], z - self.points.state[row + 2, b]]
+
+    @ti.func
+    def _joins(self, slot, b, first):
+        """Mask of the particles of a pack that have a whole spring in a slot."""
+        return self.partners[slot] != self._own(b, first)
 
     @ti.func
     def _own(self, b, first):
@@ -201,12 +211,11 @@ class Springs(CoupledTerm[scene.Springs]):
         return evaluate(self.spec.rest_length, names)
 
 
-def _table(spec: scene.Springs, plan: GroupPlan):
+def _table(spec: scene.Springs, plan: GroupPlan, positions):
     """Starts, partners and steps as of `Adjacency`; and of each entry the distance at first, s and side.
 
-    The last three have shape (slots, 16).
+    The last three have shape (slots, 16); positions at first, m, (3, particles).
     """
-    positions = plan.births.table(0, plan.births.total).positions
     if spec.pairs is not None:
         pairs = np.array(spec.pairs, np.int64)
     elif isinstance(plan.layout, LinkedLayout):
