@@ -1,4 +1,4 @@
-"""Symmetric 3×3 matrices xx, xy, xz, yy, yz, zz, one for each particle of a pack."""
+"""Symmetric 3×3 matrices xx, xy, xz, yy, yz, zz, one for each particle of a pack; and sums over a pack."""
 
 import taichi as ti
 
@@ -32,3 +32,14 @@ def inverted(block):
         (xy * xz - xx * yz) * share,
         (xx * yy - xy * xy) * share + rest,
     ]
+
+
+@ti.func
+def total(packs: ti.template(), row: ti.template(), i):
+    """The sum of the 16 lanes of a pack of a field, halves added to each other.
+
+    Of a field, because LLVM computes lane by lane, all the way from where it begins, a variable that lanes are taken of.
+    """
+    eight = [packs[row, i][lane] + packs[row, i][lane + 8] for lane in ti.static(range(8))]
+    four = [eight[lane] + eight[lane + 4] for lane in ti.static(range(4))]
+    return (four[0] + four[2]) + (four[1] + four[3])

@@ -4,6 +4,7 @@ import numpy as np
 import taichi as ti
 
 from particlecli.dynamics.coupled.block_factor import SIX, WIDTH
+from particlecli.dynamics.coupled.blocks import total
 from particlecli.dynamics.coupled.spring_rows import SpringRows
 from particlecli.dynamics.group_plan import LANES
 
@@ -25,6 +26,10 @@ class BodyEquations:
         members: field of i32: the places of the particles of each body.
         member_starts: field of i32, shape (count + 1): where each body's begin, and the end of the last.
         arms: field of packs, shape (3, rows): where particles are from the centre of their body, m.
+        sums: field of packs, shape (6, bodies): what is summed up of each body's particles.
+        owners: field of packs of i32, shape (rows): the body of each place, −1 for none.
+        row_starts, body_rows: fields of i32: the rows that each body has particles in, as `members`.
+        body_starts, row_bodies: fields of i32: the bodies that have particles in each row.
         links: springs by force: where each force's begin, and the end of the last.
     """
 
@@ -37,9 +42,16 @@ class BodyEquations:
         self.entries, self.ends = table(ti.i32, np.concatenate(entries)), table(ti.i32, graph.pairs)
         self.stiff = ti.field(ti.types.vector(4, real), shape=len(graph.pairs))
         self.arms = ti.field(ti.types.vector(LANES, real), shape=(3, rows.count))
+        self.sums = ti.field(ti.types.vector(LANES, real), shape=(SIX, self.count))
+        self.centers = ti.field(ti.types.vector(3, real), shape=self.count)
         members = np.flatnonzero(owners >= 0)
         self._members = members[np.argsort(owners[members], kind="stable")]
         self.member_starts, self.members = self._listed(owners[members], members, self.count)
+        self.owners = ti.field(ti.types.vector(LANES, ti.i32), shape=rows.count)
+        self.points.memory.view(self.owners, owners.astype(np.int32).reshape(-1, LANES))
+        pairs = np.unique(np.stack([self._members // LANES, owners[self._members]]), axis=1)
+        self.row_starts, self.body_rows = self._listed(pairs[1], pairs[0], self.count)
+        self.body_starts, self.row_bodies = self._listed(pairs[0], pairs[1], rows.count)
         self._sort_links(graph.pairs, owners, numbers)
 
     def _sort_links(self, pairs, owners, numbers) -> None:
@@ -75,21 +87,30 @@ class BodyEquations:
 
     @ti.func
     def center(self, body):
-        """Where the particles of a body are, from its centre."""
-        center, count = ti.Vector.zero(self.points.real, 3), 0
-        for m in range(self.member_starts[body], self.member_starts[body + 1]):
-            center, count = center + self._position(self.members[m]), count + 1
-        center /= ti.cast(count, self.points.real)
-        for m in range(self.member_starts[body], self.member_starts[body + 1]):
-            place = self.members[m]
-            arm = self._position(place) - center
-            for c in ti.static(range(3)):
-                self.arms[c, place >> 4][place & 15] = arm[c]
+        """Find the centre of a body."""
+        zero = 0.0 * self.arms[0, 0]
+        x, y, z, count = zero, zero, zero, zero
+        for s in range(self.row_starts[body], self.row_starts[body + 1]):
+            row = self.body_rows[s]
+            b, own = self.rows.pack(row), self.owners[row] == body
+            x += ti.select(own, self.points.state[0, b], 0.0)
+            y += ti.select(own, self.points.state[1, b], 0.0)
+            z += ti.select(own, self.points.state[2, b], 0.0)
+            count += ti.select(own, 1.0, 0.0)
+        for c in ti.static(range(4)):
+            self.sums[c, body] = [x, y, z, count][c]
+        for c in ti.static(range(3)):
+            self.centers[body][c] = total(self.sums, c, body) / total(self.sums, 3, body)
 
     @ti.func
-    def _position(self, place):
-        b = self.rows.pack(place >> 4)
-        return ti.Vector([self.points.state[c, b][place & 15] for c in ti.static(range(3))])
+    def reach(self, row):
+        """Find where the particles of a row are from the centres of their bodies."""
+        b = self.rows.pack(row)
+        for s in range(self.body_starts[row], self.body_starts[row + 1]):
+            body = self.row_bodies[s]
+            own, center = self.owners[row] == body, self.centers[body]
+            for c in ti.static(range(3)):
+                self.arms[c, row] = ti.select(own, self.points.state[c, b] - center[c], self.arms[c, row])
 
     @ti.func
     def assemble(self, values: ti.template(), number):

@@ -57,7 +57,7 @@ class Krylov:
         self.found = self.points.memory.view(self.numbers)
         self.epsilon = EPSILON[step.real]
         springs = [term for term in self.motion.terms if isinstance(term, Springs)]
-        self.bodies = RigidBodies(SpringRows(springs, self.points), self.ending.pins, self.alone)
+        self.bodies = RigidBodies(SpringRows(springs, self.points), self.ending.pins, self.alone, self.residual)
 
     def refresh(self) -> None:
         """Bring the bodies to the present equations; for later ones of the same step they do nearly as well."""
@@ -200,11 +200,6 @@ class Krylov:
             self.better[c, b] = z[c]
             total += z[c] * self.residual[c, b]
         self.parts[0, b] = total
-        if ti.static(self.bodies.count > 0):
-            row = self.bodies.rows.row(b)
-            if row >= 0:
-                for c in ti.static(range(3)):
-                    self.bodies.rest[c, row] = self.residual[c, b]
 
     @ti.func
     def _turn(self, b):

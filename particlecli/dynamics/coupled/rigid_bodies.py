@@ -7,16 +7,15 @@ solved directly, and what they find is added to what the particles' own blocks m
 the particles, where all the bytes are, is multiplied by once an iteration of conjugate gradients.
 """
 
-import numpy as np
 import taichi as ti
 
 from particlecli.dynamics.coupled.block_factor import BlockFactor
+from particlecli.dynamics.coupled.blocks import total
 from particlecli.dynamics.coupled.bodies import bodies
 from particlecli.dynamics.coupled.body_equations import BodyEquations
 from particlecli.dynamics.coupled.pins import Pins
 from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
-from particlecli.dynamics.group_plan import LANES
 
 
 @ti.data_oriented
@@ -27,28 +26,29 @@ class RigidBodies:
         rows: the particles.
         pins: those that do not move.
         alone: as of `BodyEquations`.
+        residual: field of packs, shape (3, packs): what is left of the equations, zero for what does not move.
 
     Attributes:
         count: how many bodies; with none there is nothing else.
-        rest: field of packs, shape (3, rows): what is left.
     """
 
-    def __init__(self, rows: SpringRows, pins: Pins, alone) -> None:
-        self.rows = rows
+    def __init__(self, rows: SpringRows, pins: Pins, alone, residual) -> None:
+        self.rows, self.residual = rows, residual
         owners, elimination = bodies(rows.graph()[0], rows.positions(), rows.free(pins))
         self.count = elimination.count
         if self.count:
             self.factor = BlockFactor(elimination, rows.points)
             self.equations = BodyEquations(rows, alone, owners, elimination.numbers())
-            self.rest = ti.field(ti.types.vector(LANES, rows.points.real), shape=(3, rows.count))
-            self.owners = ti.field(ti.types.vector(LANES, ti.i32), shape=rows.count)
-            rows.points.memory.view(self.owners, np.where(owners >= 0, owners, self.count).reshape(-1, LANES))
 
     @ti.kernel
     def refresh(self):
         """Put the equations of the bodies together and factorize them, for particles and springs as they are now."""
+        ti.loop_config(serialize=True)
         for body in range(self.count):
             self.equations.center(body)
+        ti.loop_config(serialize=True)
+        for row in range(self.rows.count):
+            self.equations.reach(row)
         for j in ti.static(range(len(self.rows.springs))):
             for e in range(self.equations.links[j], self.equations.links[j + 1]):
                 self.equations.load(j, e)
@@ -65,7 +65,7 @@ class RigidBodies:
 
     @ti.func
     def begin(self, branch):
-        """Solve for the bodies of a branch with those before them, from `rest`."""
+        """Solve for the bodies of a branch with those before them, from the residual."""
         for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
             self.factor.descend(k, self._gathered(k))
 
@@ -91,25 +91,31 @@ class RigidBodies:
     @ti.func
     def _gathered(self, body):
         """The force and the torque that are left on a body."""
+        zero = 0.0 * self.equations.arms[0, 0]
+        fx, fy, fz, p, q, r = zero, zero, zero, zero, zero, zero
+        for s in range(self.equations.row_starts[body], self.equations.row_starts[body + 1]):
+            row = self.equations.body_rows[s]
+            b, own = self.rows.pack(row), self.equations.owners[row] == body
+            u, v, w = [ti.select(own, self.residual[c, b], 0.0) for c in ti.static(range(3))]
+            x, y, z = self.equations.arms[0, row], self.equations.arms[1, row], self.equations.arms[2, row]
+            fx, fy, fz = fx + u, fy + v, fz + w
+            p, q, r = p + (y * w - z * v), q + (z * u - x * w), r + (x * v - y * u)
+        for c in ti.static(range(6)):
+            self.equations.sums[c, body] = [fx, fy, fz, p, q, r][c]
         found = 0.0 * self.factor.halfway[body]
-        for m in range(self.equations.member_starts[body], self.equations.member_starts[body + 1]):
-            row, lane = self.equations.members[m] >> 4, self.equations.members[m] & 15
-            fx, fy, fz = [ti.cast(self.rest[c, row][lane], ti.f64) for c in ti.static(range(3))]
-            x, y, z = [ti.cast(self.equations.arms[c, row][lane], ti.f64) for c in ti.static(range(3))]
-            found += ti.Vector([fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, 0.0, 0.0])
+        for c in ti.static(range(6)):
+            found[c] = total(self.equations.sums, c, body)
         return found
 
     @ti.func
     def moved(self, row):
         """What the particles of a row get from their bodies, three packs."""
         x, y, z = self.equations.arms[0, row], self.equations.arms[1, row], self.equations.arms[2, row]
-        u, v, w, p, q, r = x, x, x, x, x, x
-        for lane in range(LANES):
-            body = self.owners[row][lane]
-            u[lane], v[lane], w[lane] = [
-                ti.cast(self.factor.solution[body][c], self.rows.points.real) for c in ti.static(range(3))
-            ]
-            p[lane], q[lane], r[lane] = [
-                ti.cast(self.factor.solution[body][c], self.rows.points.real) for c in ti.static(range(3, 6))
-            ]
-        return [u + q * z - r * y, v + r * x - p * z, w + p * y - q * x]
+        mx, my, mz = 0.0 * x, 0.0 * x, 0.0 * x
+        for s in range(self.equations.body_starts[row], self.equations.body_starts[row + 1]):
+            body = self.equations.row_bodies[s]
+            own, m = self.equations.owners[row] == body, self.factor.solution[body]
+            mx = ti.select(own, m[0] + m[4] * z - m[5] * y, mx)
+            my = ti.select(own, m[1] + m[5] * x - m[3] * z, my)
+            mz = ti.select(own, m[2] + m[3] * y - m[4] * x, mz)
+        return [mx, my, mz]
