@@ -22,9 +22,14 @@ positions is worth in the same measure.
 HIGHER_ORDER = {4: 1e-2, 8: 1e-9}
 """The same for schemes of higher order, which take less or nothing."""
 
-FORCING = 0.1
+FORCING = (0.003, 0.05, 0.1)
 """Conjugate gradients end when r·z, which estimates the square of the error that is left in the norm of A, is the
-square of this share of what has been found."""
+square of this share of what has been found: in the first iteration of Newton's method, the second, and later ones;
+those need not be closer than the last change may be large.
+
+The first change takes back what the straight way that particles go by themselves stretches stiff springs, hundreds of
+times what is looked for: of its error the next ones are full.
+"""
 
 MOST_ITERATIONS, MOST_GRADIENTS = 50, 4000
 """Iterations of Newton's method, and of conjugate gradients in each, after which a step is cut in two."""
@@ -121,7 +126,7 @@ class Newton:
             self._prepare(time)
             self._krylov.linearize(i, packs, time, factor**2, factor)
             self._krylov.refresh()
-            if not self._descend(packs):
+            if not self._descend(packs, max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)):
                 return False, iteration + 1
             self._krylov.update(i, packs)
             numbers = self._krylov.found.array
@@ -136,8 +141,8 @@ class Newton:
             smallest = min(smallest, self._left)
         return False, MOST_ITERATIONS
 
-    def _descend(self, packs: int) -> bool:
-        """Solve Newton's equations; whether conjugate gradients converged."""
+    def _descend(self, packs: int, forcing: float) -> bool:
+        """Solve Newton's equations to a share of the solution; whether conjugate gradients converged."""
         numbers = self._krylov.found.array
         self._krylov.iterate(packs, 0)
         for _ in range(MOST_GRADIENTS):
@@ -145,6 +150,6 @@ class Newton:
             left, found = numbers[RESIDUAL], numbers[FOUND]
             if not 0.0 <= left < math.inf:
                 return False
-            if left <= FORCING**2 * found:
+            if left <= forcing**2 * found:
                 return True
         return False
