@@ -38,7 +38,7 @@ def inverted(block):
 def total(packs: ti.template(), row: ti.template(), i):
     """The sum of the 16 lanes of a pack of a field, halves added to each other.
 
-    Of a field, because LLVM computes lane by lane, all the way from where it begins, a variable that lanes are taken of.
+    Of a field: of a variable that lanes are taken of LLVM computes each lane by itself, from the beginning.
     """
     eight = [packs[row, i][lane] + packs[row, i][lane + 8] for lane in ti.static(range(8))]
     four = [eight[lane] + eight[lane + 4] for lane in ti.static(range(4))]

@@ -40,7 +40,6 @@ class BodyEquations:
         self.count = int(owners.max()) + 1
         self.links = np.cumsum([0, *map(len, entries)]).tolist()
         self.entries, self.ends = table(ti.i32, np.concatenate(entries)), table(ti.i32, graph.pairs)
-        self.stiff = ti.field(ti.types.vector(4, real), shape=len(graph.pairs))
         self.arms = ti.field(ti.types.vector(LANES, real), shape=(3, rows.count))
         self.sums = ti.field(ti.types.vector(LANES, real), shape=(SIX, self.count))
         self.centers = ti.field(ti.types.vector(3, real), shape=self.count)
@@ -81,9 +80,27 @@ class BodyEquations:
         return self.points.memory.table(ti.i32, starts), self.points.memory.table(ti.i32, found)
 
     @ti.func
-    def load(self, j: ti.template(), e):
-        """Take link e over from force j."""
-        self.stiff[e] = self.rows.springs[j].link(self.entries[e])
+    def _link(self, e):
+        """√s n and c of link e, as of `Springs.linearize`, in double precision."""
+        found = ti.Vector.zero(ti.f64, 4)
+        for j in ti.static(range(len(self.rows.springs))):
+            if self._belongs(j, e):
+                found = ti.cast(self.rows.springs[j].link(self.entries[e]), ti.f64)
+        return found
+
+    @ti.func
+    def _tautness(self, e):
+        """c of link e alone."""
+        found = ti.cast(0.0, ti.f64)
+        for j in ti.static(range(len(self.rows.springs))):
+            if self._belongs(j, e):
+                found = ti.cast(self.rows.springs[j].tautness(self.entries[e]), ti.f64)
+        return found
+
+    @ti.func
+    def _belongs(self, j: ti.template(), e):
+        """Whether link e is of force j."""
+        return (e >= self.links[j]) & (e < self.links[j + 1])
 
     @ti.func
     def center(self, body):
@@ -118,15 +135,28 @@ class BodyEquations:
         if number < self.count:
             self._assemble_body(values, number)
         else:
-            zero = ti.Vector.zero(ti.f64, WIDTH)
-            u, v, w, p, q, r = zero, zero, zero, zero, zero, zero
-            for s in range(self.outer_starts[number - self.count], self.outer_starts[number - self.count + 1]):
-                link, way = self.outer[s] >> 1, self.outer[s] & 1
-                block = self._block(ti.cast(self.stiff[link], ti.f64))
-                rows = self._projected(block, self.ends[link, way], self.ends[link, 1 - way])
-                u, v, w, p, q, r = u - rows[0], v - rows[1], w - rows[2], p - rows[3], q - rows[4], r - rows[5]
-            for k in ti.static(range(SIX)):
-                values[number, k] = [u, v, w, p, q, r][k]
+            self._assemble_between(values, number)
+
+    @ti.func
+    def _assemble_between(self, values: ti.template(), number):
+        """The block of two bodies: of each link −T₁ᵀ (n nᵀ + c) T₂, whose first part is of the moments n, r × n."""
+        zero, none = ti.Vector.zero(ti.f64, WIDTH), ti.Vector.zero(ti.f64, 4)
+        u, v, w, p, q, r = zero, zero, zero, zero, zero, zero
+        whole, x, y, z = none, none, none, none
+        for s in range(self.outer_starts[number - self.count], self.outer_starts[number - self.count + 1]):
+            link, way = self.outer[s] >> 1, self.outer[s] & 1
+            n = self._link(link)
+            arm, other = self._arm(self.ends[link, way]), self._arm(self.ends[link, 1 - way])
+            moment = _moment(n, other)
+            u, v, w = u - n[0] * moment, v - n[1] * moment, w - n[2] * moment
+            p -= (arm[1] * n[2] - arm[2] * n[1]) * moment
+            q -= (arm[2] * n[0] - arm[0] * n[2]) * moment
+            r -= (arm[0] * n[1] - arm[1] * n[0]) * moment
+            held = n[3] * ti.Vector([1.0, other[0], other[1], other[2]], ti.f64)
+            whole, x, y, z = whole - held, x - arm[0] * held, y - arm[1] * held, z - arm[2] * held
+        rows = _spread(whole, x, y, z)
+        for k in ti.static(range(SIX)):
+            values[number, k] = [u, v, w, p, q, r][k] + rows[k]
 
     @ti.func
     def _assemble_body(self, values: ti.template(), body):
@@ -140,13 +170,12 @@ class BodyEquations:
         xx, xy, xz, yy, yz, zz = none, none, none, none, none, none
         for s in range(self.inner_starts[body], self.inner_starts[body + 1]):
             link = self.inner[s]
-            d, c = self._arm(self.ends[link, 0]) - self._arm(self.ends[link, 1]), ti.cast(self.stiff[link][3], ti.f64)
-            xx, xy, xz = xx + c * (d[1] * d[1] + d[2] * d[2]), xy - c * d[0] * d[1], xz - c * d[0] * d[2]
-            yy, yz, zz = (
-                yy + c * (d[0] * d[0] + d[2] * d[2]),
-                yz - c * d[1] * d[2],
-                zz + c * (d[0] * d[0] + d[1] * d[1]),
-            )
+            c = self._tautness(link)
+            if c > 0.0:
+                d = self._arm(self.ends[link, 0]) - self._arm(self.ends[link, 1])
+                xx, xy, xz = xx + c * (d[1] * d[1] + d[2] * d[2]), xy - c * d[0] * d[1], xz - c * d[0] * d[2]
+                yy, yz = yy + c * (d[0] * d[0] + d[2] * d[2]), yz - c * d[1] * d[2]
+                zz += c * (d[0] * d[0] + d[1] * d[1])
         p += ti.Vector([0.0, 0.0, 0.0, xx, xy, xz, 0.0, 0.0], ti.f64)
         q += ti.Vector([0.0, 0.0, 0.0, xy, yy, yz, 0.0, 0.0], ti.f64)
         r += ti.Vector([0.0, 0.0, 0.0, xz, yz, zz, 0.0, 0.0], ti.f64)
@@ -160,7 +189,7 @@ class BodyEquations:
         b, lane = self.rows.pack(place >> 4), place & 15
         held = ti.Vector([ti.cast(self.alone[c, b][lane], ti.f64) for c in ti.static(range(6))])
         for s in range(self.leaving_starts[m], self.leaving_starts[m + 1]):
-            held += self._block(ti.cast(self.stiff[self.leaving[s]], ti.f64))
+            held += self._block(self._link(self.leaving[s]))
         return held
 
     @ti.func
@@ -192,3 +221,38 @@ class BodyEquations:
     @ti.func
     def _arm(self, place):
         return ti.Vector([ti.cast(self.arms[c, place >> 4][place & 15], ti.f64) for c in ti.static(range(3))])
+
+
+@ti.func
+def _moment(n, arm):
+    """n and arm × n, as a row of a block."""
+    return ti.Vector(
+        [
+            n[0],
+            n[1],
+            n[2],
+            arm[1] * n[2] - arm[2] * n[1],
+            arm[2] * n[0] - arm[0] * n[2],
+            arm[0] * n[1] - arm[1] * n[0],
+            0.0,
+            0.0,
+        ],
+        ti.f64,
+    )
+
+
+@ti.func
+def _spread(whole, x, y, z):
+    """Σ c T₁ᵀ T₂, six rows, from Σ c (1, r₂), and Σ c r₁ (1, r₂) by the components of r₁.
+
+    T₁ᵀ T₂ is made of 1, −[r₂]×, [r₁]× and r₁·r₂ − r₂ r₁ᵀ.
+    """
+    turns = x[1] + y[2] + z[3]
+    return [
+        ti.Vector([whole[0], 0.0, 0.0, 0.0, whole[3], -whole[2], 0.0, 0.0], ti.f64),
+        ti.Vector([0.0, whole[0], 0.0, -whole[3], 0.0, whole[1], 0.0, 0.0], ti.f64),
+        ti.Vector([0.0, 0.0, whole[0], whole[2], -whole[1], 0.0, 0.0, 0.0], ti.f64),
+        ti.Vector([0.0, -z[0], y[0], turns - x[1], -y[1], -z[1], 0.0, 0.0], ti.f64),
+        ti.Vector([z[0], 0.0, -x[0], -x[2], turns - y[2], -z[2], 0.0, 0.0], ti.f64),
+        ti.Vector([-y[0], x[0], 0.0, -x[3], -y[3], turns - z[3], 0.0, 0.0], ti.f64),
+    ]

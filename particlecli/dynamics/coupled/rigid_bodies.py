@@ -49,9 +49,6 @@ class RigidBodies:
         ti.loop_config(serialize=True)
         for row in range(self.rows.count):
             self.equations.reach(row)
-        for j in ti.static(range(len(self.rows.springs))):
-            for e in range(self.equations.links[j], self.equations.links[j + 1]):
-                self.equations.load(j, e)
         ti.loop_config(block_dim=SHARE)
         for block in range(self.count + self.factor.blocks):
             self.equations.assemble(self.factor.values, block)

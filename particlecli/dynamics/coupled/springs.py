@@ -157,6 +157,11 @@ class Springs(CoupledTerm[scene.Springs]):
         return ti.Vector([self.stiff[j, slot][lane] for j in ti.static(range(4))])
 
     @ti.func
+    def tautness(self, place):
+        """c of that spring alone."""
+        return self.stiff[3, place // LANES][place % LANES]
+
+    @ti.func
     def end_step(self, p, b, t):
         """Break the springs of a pack that are stretched too far."""
         first, row = self._place(b)
