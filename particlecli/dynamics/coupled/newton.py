@@ -19,6 +19,10 @@ in single precision up to a tenth of what the scheme takes anyway. Nothing small
 positions is worth in the same measure.
 """
 
+ERRATIC = 0.1
+"""Times what a change may be: what it may be where the changes before it did not fall from each to the next. A change
+then tells less about what is left."""
+
 HIGHER_ORDER = {4: 1e-2, 8: 1e-9}
 """The same for schemes of higher order, which take less or nothing."""
 
@@ -119,7 +123,8 @@ class Newton:
     def _solve_stage(self, i: int, packs: int, start: float, now: float, h: float) -> tuple[bool, int]:
         """Whether a stage was found, and how many evaluations that took."""
         factor, time = h * self._stages.own_weights[i], start + now + self._stages.times[i] * h
-        smallest = math.inf
+        smallest = last = math.inf
+        falls = True
         self._krylov.forget(i, packs)
         for iteration in range(MOST_ITERATIONS):
             self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
@@ -134,7 +139,10 @@ class Newton:
             if not math.isfinite(change + size):
                 return False, iteration + 1
             self._left = math.sqrt(change / size) if size > 0 else 0.0
-            if self._left <= self._accuracy or change <= numbers[ROUNDING] / factor**4:
+            falls = falls and self._left < last
+            last = self._left
+            wanted = self._accuracy if falls else ERRATIC * self._accuracy
+            if self._left <= wanted or change <= numbers[ROUNDING] / factor**4:
                 return True, iteration + 1
             if not self._left < 1e3 * smallest:
                 return False, iteration + 1

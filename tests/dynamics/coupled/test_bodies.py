@@ -11,14 +11,20 @@ def cloth(size):
     pairs = Lattice((size, 1, size)).pairs(("structural", "shear", "bend"))
     free = np.ones(size * size, bool)
     free[[0, size - 1]] = False
-    return Graph(size * size, pairs, np.full(len(pairs), 3.0)), free
+    own = np.arange(size * size)
+    return Graph(size * size, pairs, np.full(len(pairs), 3.0)), np.stack([own % size, 0 * own, own // size], 1), free
 
 
 def test_bodies_are_joined_parts_of_a_cloth_that_move_and_few_enough():
-    graph, free = cloth(64)
-    owners, elimination = bodies(graph, free)
+    graph, positions, free = cloth(64)
+    owners, elimination = bodies(graph, positions.astype(float), free)
     np.testing.assert_array_equal(owners >= 0, free)
-    assert np.bincount(owners[free]).min() > 1
+    sizes = np.bincount(owners[free])
+    assert sizes.max() <= sizes.min() + 1
+    # As round as squares are: no side is more than twice the other.
+    for body in range(0, elimination.count, 10):
+        wide, long = np.sort(np.ptp(positions[owners == body][:, [0, 2]], axis=0) + 1)
+        assert long <= 2 * wide
     assert elimination.count == owners.max() + 1
     assert len(elimination.rows) <= len(graph.pairs) / LINKS_A_BLOCK
     # Of each body the particles hang together: it is one piece of the graph of the links inside of it.
@@ -37,7 +43,8 @@ def test_bodies_are_joined_parts_of_a_cloth_that_move_and_few_enough():
 def test_chains_do_not_share_bodies(count):
     links = np.arange(count - 1)[:, None] + [0, 1]
     pairs = np.concatenate([links + count * strand for strand in range(30)])
-    owners, _ = bodies(Graph(30 * count, pairs, np.ones(len(pairs))), np.ones(30 * count, bool))
+    graph, positions = Graph(30 * count, pairs, np.ones(len(pairs))), np.zeros((30 * count, 3))
+    owners, _ = bodies(graph, positions, np.ones(30 * count, bool))
     strands = np.repeat(np.arange(30), count)
     for body in range(owners.max() + 1):
         assert len(np.unique(strands[owners == body])) == 1
@@ -46,6 +53,6 @@ def test_chains_do_not_share_bodies(count):
 @pytest.mark.parametrize("pairs", [np.empty((0, 2), np.int64), np.array([[0, 1]])])
 def test_nothing_is_gathered_without_springs_between_particles_that_move(pairs):
     free = np.arange(32) > 0
-    owners, elimination = bodies(Graph(32, pairs, np.ones(len(pairs))), free)
+    owners, elimination = bodies(Graph(32, pairs, np.ones(len(pairs))), np.zeros((32, 3)), free)
     assert elimination.count == 0
     assert (owners == -1).all()
