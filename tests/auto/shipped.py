@@ -45,14 +45,14 @@ MOST = 1500
 """Particles of each group that are followed, at most; those that act on each other are all there."""
 
 SPANS = {
-    "scenes/dam_break": 0.14,
+    "scenes/dam_break": 0.04,
     "scenes/fish_school": 0.3,
     "scenes/flag": 0.5,
     "scenes/galaxies": 1.0,
-    "scenes/gas": 0.2,
+    "scenes/gas": 0.6,
     "scenes/hair": 0.2,
     "scenes/jelly": 0.5,
-    "scenes/sand": 0.3,
+    "scenes/sand": 0.1,
     "scenes/snake": 3.0,
     "reference/catenary": 0.3,
     "reference/dam_break": 0.02,
