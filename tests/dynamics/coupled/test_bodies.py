@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from particlecli.dynamics.coupled.bodies import LINKS_A_BLOCK, Graph, bodies
+from particlecli.dynamics.coupled.bodies import FEW_BLOCKS, LINKS_A_BLOCK, Graph, bodies
 from particlecli.dynamics.coupled.links import Lattice
 
 
@@ -48,6 +48,17 @@ def test_chains_do_not_share_bodies(count):
     strands = np.repeat(np.arange(30), count)
     for body in range(owners.max() + 1):
         assert len(np.unique(strands[owners == body])) == 1
+
+
+@pytest.mark.parametrize("strands", [30, 100, 1000])
+@pytest.mark.parametrize("count", [9, 16, 25])
+def test_many_chains_have_as_few_bodies_as_are_affordable_or_one_each(strands, count):
+    links = np.arange(count - 1)[:, None] + [0, 1]
+    pairs = np.concatenate([links + count * strand for strand in range(strands)])
+    size = strands * count
+    positions = np.stack([np.arange(size) % count, 0 * np.arange(size), 0 * np.arange(size)], 1).astype(float)
+    _, elimination = bodies(Graph(size, pairs, np.ones(len(pairs))), positions, np.ones(size, bool))
+    assert elimination.count == strands or len(elimination.rows) <= max(FEW_BLOCKS, len(pairs) // LINKS_A_BLOCK)
 
 
 @pytest.mark.parametrize("pairs", [np.empty((0, 2), np.int64), np.array([[0, 1]])])
