@@ -1,8 +1,7 @@
 """A factor of a sparse symmetric matrix of 6×6 blocks, and what it solves; every sum in a fixed order.
 
-A = (U + D) D⁻¹ (U + D)ᵀ, column by column; branches of the elimination tree at the same time, then its trunk. The
-factor is found in double precision, for there are stiff springs beside light masses; vectors are solved for with it
-rounded to the particles' own type of numbers, which is half the bytes in single precision.
+A = (U + D) D⁻¹ (U + D)ᵀ, column by column; branches of the elimination tree at the same time, then its trunk. All of
+it is in double precision, for there are stiff springs beside light masses.
 """
 
 import numpy as np
@@ -34,7 +33,7 @@ class BlockFactor:
     """
 
     def __init__(self, elimination: Elimination, points: Points) -> None:
-        self.real, self.smallest, integers = points.real, SMALLEST[points.real], points.memory.table
+        self.smallest, integers = SMALLEST[points.real], points.memory.table
         self.count, self.blocks = elimination.count, len(elimination.rows)
         self.branches, self.trunk = len(elimination.branches) - 1, int(elimination.branches[-1])
         targets = elimination.targets()
@@ -46,14 +45,12 @@ class BlockFactor:
             integers(ti.i32, _some(elimination.blocks)),
         )
         self.target_starts, self.targets = integers(ti.i32, targets[0]), integers(ti.i32, _some(targets[1]))
-        wide, own = ti.types.vector(WIDTH, ti.f64), ti.types.vector(WIDTH, points.real)
+        wide = ti.types.vector(WIDTH, ti.f64)
         self.values = ti.field(wide, shape=(self.count + self.blocks, SIX))
         self.inverses, self.sizes = ti.field(wide, shape=(self.count, SIX)), ti.field(wide, shape=self.count)
         self.transposed = ti.field(wide, shape=(max(1, self.blocks), SIX))
-        self.divisors = ti.field(own, shape=(self.count, SIX))
-        self.below, self.left = (ti.field(own, shape=(max(1, self.blocks), SIX)) for _ in range(2))
-        self.halfway, self.solution = (ti.field(own, shape=self.count) for _ in range(2))
-        self.parts = ti.field(own, shape=self.count)
+        self.halfway, self.solution = ti.field(wide, shape=self.count), ti.field(wide, shape=self.count)
+        self.parts = ti.field(ti.f64, shape=self.count)
         by_rows = np.empty(self.blocks, np.int64)
         by_rows[elimination.blocks] = np.arange(self.blocks)
         self.by_rows = integers(ti.i32, _some(by_rows))
@@ -78,7 +75,6 @@ class BlockFactor:
             for r in ti.static(range(SIX)):
                 for c in ti.static(range(SIX)):
                     self.transposed[self.by_rows[e], c][r] = self.values[self.count + e, r][c]
-        self._round(j)
 
     @ti.func
     def _weighted(self, k, c: ti.template(), f):
@@ -111,26 +107,16 @@ class BlockFactor:
             self.inverses[j, r] = -self.inverses[j, r]
 
     @ti.func
-    def _round(self, j):
-        """Keep column j as vectors are solved for with it."""
-        for r in ti.static(range(SIX)):
-            self.divisors[j, r] = ti.cast(self.inverses[j, r], self.real)
-        for e in range(self.starts[j], self.starts[j + 1]):
-            for r in ti.static(range(SIX)):
-                self.below[e, r] = ti.cast(self.values[self.count + e, r], self.real)
-                self.left[self.by_rows[e], r] = ti.cast(self.transposed[self.by_rows[e], r], self.real)
-
-    @ti.func
     def descend(self, j, right):
         """Solve for unknowns j with those before: right is what they should give."""
         rest = right
         for f in range(self.row_starts[j], self.row_starts[j + 1]):
             known = self.halfway[self.columns[f]]
             for c in ti.static(range(SIX)):
-                rest -= known[c] * self.left[f, c]
+                rest -= known[c] * self.transposed[f, c]
         found = self._divided(j, rest)
         self.halfway[j] = found
-        self.parts[j] = rest * found
+        self.parts[j] = (rest * found).sum()
 
     @ti.func
     def ascend(self, k):
@@ -139,24 +125,24 @@ class BlockFactor:
         for e in range(self.starts[k], self.starts[k + 1]):
             known = self.solution[self.rows[e]]
             for r in ti.static(range(SIX)):
-                total += known[r] * self.below[e, r]
+                total += known[r] * self.values[self.count + e, r]
         self.solution[k] = self.halfway[k] - self._divided(k, total)
 
     @ti.func
     def _divided(self, j, vector):
         """D_j⁻¹ times a vector."""
-        found = vector[0] * self.divisors[j, 0]
+        found = vector[0] * self.inverses[j, 0]
         for d in ti.static(range(1, SIX)):
-            found += vector[d] * self.divisors[j, d]
+            found += vector[d] * self.inverses[j, d]
         return found
 
     @ti.func
     def product(self):
         """What was found times what was to be given, once all have descended."""
-        total = ti.Vector.zero(ti.f64, WIDTH)
+        total = ti.cast(0.0, ti.f64)
         for j in range(self.count):
-            total += ti.cast(self.parts[j], ti.f64)
-        return total.sum()
+            total += self.parts[j]
+        return total
 
 
 def _some(values):

@@ -26,7 +26,7 @@ class BodyEquations:
         members: field of i32: the places of the particles of each body.
         member_starts: field of i32, shape (count + 1): where each body's begin, and the end of the last.
         arms: field of packs, shape (3, rows): where particles are from the centre of their body, m.
-        sums: field of packs, shape (6, bodies): what is summed up of each body's particles.
+        sums: field of packs of f64, shape (6, bodies): what is summed up of each body's particles.
         owners: field of packs of i32, shape (rows): the body of each place, −1 for none.
         row_starts, body_rows: fields of i32: the rows that each body has particles in, as `members`.
         body_starts, row_bodies: fields of i32: the bodies that have particles in each row.
@@ -41,7 +41,7 @@ class BodyEquations:
         self.links = np.cumsum([0, *map(len, entries)]).tolist()
         self.entries, self.ends = table(ti.i32, np.concatenate(entries)), table(ti.i32, graph.pairs)
         self.arms = ti.field(ti.types.vector(LANES, real), shape=(3, rows.count))
-        self.sums = ti.field(ti.types.vector(LANES, real), shape=(SIX, self.count))
+        self.sums = ti.field(ti.types.vector(LANES, ti.f64), shape=(SIX, self.count))
         self.centers = ti.field(ti.types.vector(3, real), shape=self.count)
         members = np.flatnonzero(owners >= 0)
         self._members = members[np.argsort(owners[members], kind="stable")]
@@ -115,9 +115,10 @@ class BodyEquations:
             z += ti.select(own, self.points.state[2, b], 0.0)
             count += ti.select(own, 1.0, 0.0)
         for c in ti.static(range(4)):
-            self.sums[c, body] = [x, y, z, count][c]
+            self.sums[c, body] = ti.cast([x, y, z, count][c], ti.f64)
         for c in ti.static(range(3)):
-            self.centers[body][c] = total(self.sums, c, body) / total(self.sums, 3, body)
+            center = total(self.sums, c, body) / total(self.sums, 3, body)
+            self.centers[body][c] = ti.cast(center, self.points.real)
 
     @ti.func
     def reach(self, row):

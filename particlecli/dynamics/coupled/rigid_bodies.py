@@ -16,6 +16,7 @@ from particlecli.dynamics.coupled.body_equations import BodyEquations
 from particlecli.dynamics.coupled.pins import Pins
 from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
+from particlecli.dynamics.group_plan import LANES
 
 
 @ti.data_oriented
@@ -87,14 +88,17 @@ class RigidBodies:
 
     @ti.func
     def _gathered(self, body):
-        """The force and the torque that are left on a body."""
-        zero = 0.0 * self.equations.arms[0, 0]
+        """The force and the torque that are left on a body: in double precision, as it is solved for.
+
+        A straight hair hardly feels a turn about itself, and what rounding made of its torque would count as much.
+        """
+        zero = ti.Vector.zero(ti.f64, LANES)
         fx, fy, fz, p, q, r = zero, zero, zero, zero, zero, zero
         for s in range(self.equations.row_starts[body], self.equations.row_starts[body + 1]):
             row = self.equations.body_rows[s]
             b, own = self.rows.pack(row), self.equations.owners[row] == body
-            u, v, w = [ti.select(own, self.residual[c, b], 0.0) for c in ti.static(range(3))]
-            x, y, z = self.equations.arms[0, row], self.equations.arms[1, row], self.equations.arms[2, row]
+            u, v, w = [ti.cast(ti.select(own, self.residual[c, b], 0.0), ti.f64) for c in ti.static(range(3))]
+            x, y, z = [ti.cast(self.equations.arms[c, row], ti.f64) for c in ti.static(range(3))]
             fx, fy, fz = fx + u, fy + v, fz + w
             p, q, r = p + (y * w - z * v), q + (z * u - x * w), r + (x * v - y * u)
         for c in ti.static(range(6)):
@@ -111,7 +115,8 @@ class RigidBodies:
         mx, my, mz = 0.0 * x, 0.0 * x, 0.0 * x
         for s in range(self.equations.body_starts[row], self.equations.body_starts[row + 1]):
             body = self.equations.row_bodies[s]
-            own, m = self.equations.owners[row] == body, self.factor.solution[body]
+            own = self.equations.owners[row] == body
+            m = ti.cast(self.factor.solution[body], self.rows.points.real)
             mx = ti.select(own, m[0] + m[4] * z - m[5] * y, mx)
             my = ti.select(own, m[1] + m[5] * x - m[3] * z, my)
             mz = ti.select(own, m[2] + m[3] * y - m[4] * x, mz)

@@ -208,6 +208,33 @@ ROUNDING = 2e-5
 9e-6 J before a step and after it."""
 
 
+def test_straight_strands_that_hardly_feel_a_turn_about_themselves_hang_in_single_precision():
+    found = system(
+        2,
+        fps=120,
+        particles={
+            "hair": {
+                "layout": {"type": "hair", "radius": 0.5, "strands": 100, "count": 20, "length": 0.75},
+                "mass": 1e-3,
+                "pins": [{"where": "s < 0.06"}],
+            }
+        },
+        forces=[
+            {"type": "gravity"},
+            {"type": "springs", "stiffness": 40, "damping": 0.01, "links": ["structural"]},
+            {"type": "springs", "stiffness": 3, "damping": 0.004, "links": ["bend"]},
+        ],
+        integrator={"type": "implicit_euler", "dt": 1 / 120},
+        precision="single",
+    )
+    before = found.get_state().reshape(6, -1)[1].mean()
+    for step in range(12):
+        found.advance((step + 1) / 120)
+    state = found.get_state().reshape(6, -1)
+    assert np.isfinite(state).all()
+    assert state[1].mean() < before
+
+
 @pytest.mark.slow
 def test_a_fine_stiff_cloth_gains_no_energy():
     """One swing of 128 × 128 particles, ω dt ≈ 2000: energy of motion, height and springs together, each step."""
