@@ -17,11 +17,10 @@ Times ½ h² a² both are energies: that of the last change, its stretch include
 takes from the motion by its own error, ½ Σ m |h k|². What the last change leaves over is taken too, by the next step:
 in single precision up to a tenth of what the scheme takes anyway. Nothing smaller is asked for than what rounding of
 positions is worth in the same measure.
-"""
 
-ERRATIC = 0.1
-"""Times what a change may be: what it may be where the changes before it did not fall from each to the next. A change
-then tells less about what is left."""
+A small change is the last if what it leaves of the equations themselves is as small, by r·z: where links of a long rope
+turn far in a step, changes come out small by chance.
+"""
 
 HIGHER_ORDER = {4: 1e-2, 8: 1e-9}
 """The same for schemes of higher order, which take less or nothing."""
@@ -123,36 +122,33 @@ class Newton:
     def _solve_stage(self, i: int, packs: int, start: float, now: float, h: float) -> tuple[bool, int]:
         """Whether a stage was found, and how many evaluations that took."""
         factor, time = h * self._stages.own_weights[i], start + now + self._stages.times[i] * h
-        smallest = last = math.inf
-        falls = True
+        numbers, smallest, small = self._krylov.found.array, math.inf, False
         self._krylov.forget(i, packs)
         for iteration in range(MOST_ITERATIONS):
             self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
             self._prepare(time)
             self._krylov.linearize(i, packs, time, factor**2, factor)
             self._krylov.refresh()
+            self._krylov.iterate(packs, 0)
+            if small and 0.0 <= numbers[RESIDUAL] <= self._accuracy**2 * numbers[SIZE]:
+                return True, iteration + 1
             if not self._descend(packs, max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)):
                 return False, iteration + 1
             self._krylov.update(i, packs)
-            numbers = self._krylov.found.array
             change, size = numbers[FOUND], numbers[SIZE]
             if not math.isfinite(change + size):
                 return False, iteration + 1
             self._left = math.sqrt(change / size) if size > 0 else 0.0
-            falls = falls and self._left < last
-            last = self._left
-            wanted = self._accuracy if falls else ERRATIC * self._accuracy
-            if self._left <= wanted or change <= numbers[ROUNDING] / factor**4:
+            if change <= numbers[ROUNDING] / factor**4:
                 return True, iteration + 1
             if not self._left < 1e3 * smallest:
                 return False, iteration + 1
-            smallest = min(smallest, self._left)
+            small, smallest = self._left <= self._accuracy, min(smallest, self._left)
         return False, MOST_ITERATIONS
 
     def _descend(self, packs: int, forcing: float) -> bool:
         """Solve Newton's equations to a share of the solution; whether conjugate gradients converged."""
         numbers = self._krylov.found.array
-        self._krylov.iterate(packs, 0)
         for _ in range(MOST_GRADIENTS):
             self._krylov.iterate(packs, 1)
             left, found = numbers[RESIDUAL], numbers[FOUND]
