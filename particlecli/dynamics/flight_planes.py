@@ -5,6 +5,21 @@ import taichi as ti
 NORMAL, OFFSET, RESTITUTION, HOLDS, COULOMB, VISCOUS = 0, 3, 4, 5, 6, 7
 """Columns of planes: normal, its product with a point of the plane, …, whether a hit ends the motion, …"""
 
+MOST_IMPACTS = 4
+"""Impacts within a step that are followed; what is still below then comes to rest on the plane."""
+
+CORRECTIONS = 2
+"""Newton steps towards the instant of an impact."""
+
+Search = ti.types.struct(
+    trial=ti.i32,  # number of the trial step towards an impact that is sought; 0: none is
+    struck=ti.i32,  # the plane
+    when=ti.f64,  # length of the next trial, s
+    reach=ti.f64,  # of the step in which the impact was found, s
+    impacts=ti.i32,  # in this step so far
+)
+"""An impact being looked for within a step."""
+
 
 @ti.data_oriented
 class FlightPlanes:
@@ -46,6 +61,38 @@ class FlightPlanes:
                 turned = along * planes[k, NORMAL + c] + kept * sliding[c]
                 after[c + 3] = ti.select(planes[k, HOLDS] > 0.0, 0.0, turned)
         return after
+
+    @ti.func
+    def passed(self, planes: ti.template(), count, located, search: ti.template(), old, new, h, held):
+        """What a step of length h from a state to a new one comes to among the first `count` planes.
+
+        Args:
+            located: whether impacts happen within the step, or at its end.
+            search: goes on.
+            held: whether a plane holds what flies.
+
+        Returns:
+            The state, how long the way to it takes, s, nothing while an impact is sought; and as `held`.
+        """
+        after, moved, holds = old, 0.0 * h, held
+        deepest = 0.0 * h
+        if (search.trial == 0) & (located == 1) & (search.impacts < MOST_IMPACTS):
+            deepest, search.struck = self.lowest(planes, count, new)
+        if deepest < 0.0:
+            search.when, search.reach = self.due(planes, search.struck, old, deepest, h), h
+            search.trial = 1
+        elif search.trial == 0:
+            after, holds = self.met(planes, count, new, held, located == 1)
+            moved, search.impacts = h, 0
+        elif search.trial <= CORRECTIONS:
+            search.when = self.corrected(planes, search.struck, new, search.when, search.reach)
+            search.trial += 1
+        else:
+            after = self.hit(planes, search.struck, new, False)
+            holds = planes[search.struck, HOLDS] > 0.0
+            moved, search.trial = h, 0
+            search.impacts = search.impacts + 1 if h > 0.0 else MOST_IMPACTS
+        return after, moved, holds
 
     @ti.func
     def lowest(self, planes: ti.template(), count, y):

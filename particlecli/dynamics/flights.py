@@ -11,7 +11,7 @@ import numpy as np
 import taichi as ti
 from numpy.typing import NDArray
 
-from particlecli.dynamics.flight_planes import HOLDS, FlightPlanes
+from particlecli.dynamics.flight_planes import FlightPlanes, Search
 from particlecli.dynamics.flight_schemes import (
     ADAPTIVELY,
     COARSE,
@@ -26,7 +26,7 @@ from particlecli.dynamics.flight_schemes import (
 )
 from particlecli.dynamics.integrators.base import Splitting
 from particlecli.dynamics.motion import Motion
-from particlecli.dynamics.probe import IDLE, Doubles, Probe
+from particlecli.dynamics.probe import IDLE, Column, Counts, Doubles, Probe, Table, Tables
 from particlecli.runtime import Precision
 
 SHORTEST = 1e-6
@@ -34,12 +34,6 @@ SHORTEST = 1e-6
 
 FIRST, SAFETY, SHRINKS, GROWS = 0.01, 0.9, 0.2, 8.0
 """The first step of an adaptive scheme in frames, and how its steps change, as the engine has them."""
-
-MOST_IMPACTS = 4
-"""Impacts within a step that are followed; what is still below then comes to rest on the plane."""
-
-CORRECTIONS = 2
-"""Newton steps towards the instant of an impact."""
 
 
 class Course(NamedTuple):
@@ -115,26 +109,10 @@ class Flights(Probe):
 
     @ti.kernel
     def _fly(
-        self,
-        states: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        times: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        inverse_masses: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        frames: ti.types.ndarray(dtype=ti.i32, ndim=1),
-        interval: ti.f64,
-        weights: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        rows: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        last: ti.f64,
-        exponent: ti.f64,
-        kind: ti.i32,
-        steps: ti.i32,
-        tolerance: ti.f64,
-        planes: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        plane_count: ti.i32,
-        located: ti.i32,
-        box: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        out: ti.types.ndarray(dtype=ti.f64, ndim=3),
-        tried: ti.types.ndarray(dtype=ti.f64, ndim=1),
-    ):
+        self, states: Table, times: Column, inverse_masses: Column, frames: Counts, interval: ti.f64, weights: Table,
+        rows: Table, last: ti.f64, exponent: ti.f64, kind: ti.i32, steps: ti.i32, tolerance: ti.f64, planes: Table,
+        plane_count: ti.i32, located: ti.i32, box: Table, out: Tables, tried: Column,
+    ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for i in range(states.shape[1]):
             p = self._loaded()
@@ -142,46 +120,29 @@ class Flights(Probe):
             y = ti.Vector([states[c, i] for c in range(IDLE)])
             time, pace = times[i], FIRST * interval
             frame, left, part = 0, interval, interval / steps
-            tries, impacts, seeking, struck = 0.0, 0, 0, 0
-            when, reach, lives, held = 0.0 * interval, 0.0 * interval, frames[i] > 0, False
+            search, held = Search(), False
+            tries, lives = 0.0, frames[i] > 0
             while lives:
+                seeking = search.trial > 0
                 h = part if kind != ADAPTIVELY else ti.min(pace, left)
-                if seeking > 0:
-                    h = when
+                if seeking:
+                    h = search.when
                 new = self._stepped(p, i, kind, weights, rows, last, y, time, h, inverse_mass)
-                accepted = True
-                if (kind == ADAPTIVELY) & (seeking == 0):
+                moved, accepted = 0.0 * h, True
+                if (kind == ADAPTIVELY) & (not seeking):
                     tries += 1.0
                     error = self._error(i, rows, y, new, h) / tolerance
                     accepted = error <= 1.0
                     pace = self._pace(error, exponent, pace, h)
                     lives = accepted | (pace >= SHORTEST * interval)
-                moved = 0.0 * interval
-                if accepted & (seeking > 0):
-                    if seeking <= CORRECTIONS:
-                        when = self.planes.corrected(planes, struck, new, when, reach)
-                        seeking += 1
-                    else:
-                        y = self.planes.hit(planes, struck, new, False)
-                        held = planes[struck, HOLDS] > 0.0
-                        moved, seeking = h, 0
-                        impacts = impacts + 1 if h > 0.0 else MOST_IMPACTS
-                elif accepted:
-                    deepest = 0.0 * interval
-                    if (located == 1) & (impacts < MOST_IMPACTS):
-                        deepest, struck = self.planes.lowest(planes, plane_count, new)
-                    if deepest < 0.0:
-                        when, reach, seeking = self.planes.due(planes, struck, y, deepest, h), h, 1
-                    else:
-                        y, held = self.planes.met(planes, plane_count, new, held, located == 1)
-                        moved, impacts = h, 0
+                if accepted:
+                    y, moved, held = self.planes.passed(planes, plane_count, located, search, y, new, h, held)
                 time += moved
                 left -= moved
                 part -= moved
                 if part <= 1e-9 * interval / steps:
                     part = interval / steps
-                if not self._finite(y):
-                    lives = False
+                lives = lives & self._finite(y)
                 while lives & ((left <= 1e-9 * interval) | held):
                     for c in ti.static(range(3)):
                         out[frame, i, c] = y[c]

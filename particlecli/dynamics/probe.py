@@ -14,6 +14,13 @@ from particlecli.runtime import Precision
 
 Doubles = NDArray[np.float64]
 
+Column = ti.types.ndarray(dtype=ti.f64, ndim=1)
+Table = ti.types.ndarray(dtype=ti.f64, ndim=2)
+Tables = ti.types.ndarray(dtype=ti.f64, ndim=3)
+Matrices = ti.types.ndarray(dtype=ti.f64, ndim=4)
+Counts = ti.types.ndarray(dtype=ti.i32, ndim=1)
+"""Arrays that kernels take."""
+
 IDLE = 6
 """Components that motion is given; a first-order group does not look at the last three."""
 
@@ -86,13 +93,7 @@ class Probe:
         return [ti.cast(states[c if c < self.components else 0, i], self.real) for c in ti.static(range(IDLE))]
 
     @ti.kernel
-    def _differentiate(
-        self,
-        states: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        times: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        inverse_masses: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        out: ti.types.ndarray(dtype=ti.f64, ndim=2),
-    ):
+    def _differentiate(self, states: Table, times: Column, inverse_masses: Column, out: Table):
         for i in range(states.shape[1]):
             p = self._loaded()
             state = self._state(states, i)
@@ -102,13 +103,7 @@ class Probe:
                 out[c, i] = slopes[c]
 
     @ti.kernel
-    def _weigh(
-        self,
-        states: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        times: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        inverse_masses: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        out: ti.types.ndarray(dtype=ti.f64, ndim=1),
-    ):
+    def _weigh(self, states: Table, times: Column, inverse_masses: Column, out: Column):
         for i in range(states.shape[1]):
             p = self._loaded()
             state = self._state(states, i)
@@ -119,13 +114,7 @@ class Probe:
                     out[i] = out[i] + self.motion.forces[j].potential(q, state[:3], time, inverse_mass)
 
     @ti.kernel
-    def _linearize(
-        self,
-        states: ti.types.ndarray(dtype=ti.f64, ndim=2),
-        times: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        inverse_masses: ti.types.ndarray(dtype=ti.f64, ndim=1),
-        out: ti.types.ndarray(dtype=ti.f64, ndim=4),
-    ):
+    def _linearize(self, states: Table, times: Column, inverse_masses: Column, out: Matrices):
         for i in range(states.shape[1]):
             p = self._loaded()
             state = self._state(states, i)
