@@ -57,7 +57,6 @@ class CarefulStepper:
     @ti.func
     def step(self, p, state, t, h, own, fate, live: ti.template()):
         """State (six packs) and fate after a step of length h that may meet planes; `own` as of `March.advance`."""
-        inverse_mass = own[3]
         x, y, z, u, v, w, outcome = self.events.entered(p, state, fate, live)
         left = ti.select(both(live, outcome == fate), h + 0.0 * x, 0.0)
         low, high, guess = 0.0 * x, 0.0 * x, 0.0 * x
@@ -68,11 +67,10 @@ class CarefulStepper:
         while (left > 0.0) & (events < MOST_EVENTS) & (stalls < 2 * MOST_STALLS):
             events += 1
             now = t + (h - left)
-            resting, f0, f1, f2 = self._footing(p, [x, y, z, u, v, w], now, h, inverse_mass)
+            resting, f0, f1, f2 = self._footing(p, [x, y, z, u, v, w], now, h, own[3])
             x, y, z, u, v, w = self.events.grounded(p, [x, y, z, u, v, w], resting)
             trial = ti.select(target == NONE, ti.min(left, reach), guess)
-            faint = ti.select(resting != 0, self.events.faint * length([u, v, w]), 0.0)
-            new = self.stepper.step(p, [x, y, z, u, v, w], now, trial, [inverse_mass, resting, f0, f1, f2, faint])
+            new = self._moved(p, [x, y, z, u, v, w], now, trial, own[3], [resting, f0, f1, f2])
             first, due, near = self.events.first_event(
                 p, [x, y, z, u, v, w], new, resting, [f0, f1, f2], trial, target, tolerance
             )
@@ -90,17 +88,11 @@ class CarefulStepper:
             inside = (due > low) & (due < high)
             guess = ti.select(inside, due, 0.5 * (low + high))
             advanced = (left > 0.0) & (accepted | (searching == 0)) & (dips == 0)
-            x, y, z = choose(advanced, new[0], x), choose(advanced, new[1], y), choose(advanced, new[2], z)
-            u, v, w = choose(advanced, new[3], u), choose(advanced, new[4], v), choose(advanced, new[5], w)
+            x, y, z, u, v, w = [choose(advanced, new[c], [x, y, z, u, v, w][c]) for c in ti.static(range(6))]
             left = ti.select(advanced, ti.max(left - trial, 0.0), left)
-            stops = advanced & accepted & (target == SLIDING_STOPS)
-            u, v, w = ti.select(stops, 0.0, u), ti.select(stops, 0.0, v), ti.select(stops, 0.0, w)
-            for k in ti.static(range(len(self.contacts))):
-                hit = advanced & accepted & (target == k)
-                q = p[self.first + k]
-                x, y, z, u, v, w, outcome = self.events.struck(q, k, [x, y, z, u, v, w], outcome, hit)
-                u, v, w = self.events.flattened(q, k, [u, v, w], hit & (stalls >= MOST_STALLS))
-                self._note(own, hit, now + trial, [x, y, z, u, v, w])
+            x, y, z, u, v, w, outcome = self._met(
+                p, [x, y, z, u, v, w], now + trial, own, outcome, target, advanced & accepted, stalls
+            )
             left = ti.select(outcome == fate, left, 0.0)
             stalls = ti.select(advanced, ti.select(accepted & (trial <= instant), stalls + 1, 0), stalls)
             target = ti.select(advanced, NONE, target)
@@ -117,9 +109,8 @@ class CarefulStepper:
         """
         resting, f0, f1, f2 = self._footing(p, state, t, h, own[3])
         old = self.events.grounded(p, state, resting)
-        faint = ti.select(resting != 0, self.events.faint * length(old[3:]), 0.0)
         whole = h + 0.0 * state[0]
-        new = self.stepper.step(p, old, t, whole, [own[3], resting, f0, f1, f2, faint])
+        new = self._moved(p, old, t, whole, own[3], [resting, f0, f1, f2])
         target = ti.select(whole == whole, NONE, NONE)
         first, _, _ = self.events.first_event(
             p, old, new, resting, [f0, f1, f2], whole, target, self.events.tolerance * h
@@ -128,6 +119,26 @@ class CarefulStepper:
         for k in ti.static(range(len(self.contacts))):
             calm = calm & (self.events.enters(p[self.first + k], k, state) == 0)
         return new, calm
+
+    @ti.func
+    def _moved(self, p, state, t, h, inverse_mass, footing):
+        """The state after a step of length h without impacts; `footing` as of `PlaneEvents.footing`."""
+        faint = ti.select(footing[0] != 0, self.events.faint * length(state[3:]), 0.0)
+        return self.stepper.step(p, state, t, h, [inverse_mass] + footing + [faint])
+
+    @ti.func
+    def _met(self, p, state, t, own, fate, target, found, stalls):
+        """State and fate after the event `target`, of those in the mask `found`."""
+        x, y, z, u, v, w, outcome = state[0], state[1], state[2], state[3], state[4], state[5], fate
+        stops = found & (target == SLIDING_STOPS)
+        u, v, w = ti.select(stops, 0.0, u), ti.select(stops, 0.0, v), ti.select(stops, 0.0, w)
+        for k in ti.static(range(len(self.contacts))):
+            hit = found & (target == k)
+            q = p[self.first + k]
+            x, y, z, u, v, w, outcome = self.events.struck(q, k, [x, y, z, u, v, w], outcome, hit)
+            u, v, w = self.events.flattened(q, k, [u, v, w], hit & (stalls >= MOST_STALLS))
+            self._note(own, hit, t, [x, y, z, u, v, w])
+        return [x, y, z, u, v, w, outcome]
 
     @ti.func
     def _note(self, own, hit, t, state):
