@@ -33,15 +33,20 @@ class LocatedMarch(SerialMarch):
     def __init__(self, step: Step, stepper: AdaptiveStepper | None = None) -> None:
         super().__init__(step, stepper)
         self.impacts = step.impacts
+        self.search = ti.types.struct(
+            kind=ti.i32,  # of the event that is searched, see `CoupledImpacts.survey`
+            where=ti.i32,  # its place among all lanes
+            low=self.real,  # length of the longest trial that ends before it, s
+            high=self.real,  # of the shortest in which it happens, s
+        )
 
     @ti.func
     def _stride(self, packs, t0, now, h, whole, again, tolerance, crowd):
         """As `SerialMarch._stride`."""
         lies = self._entered(packs, t0, now, h)
         rests, tries = 0, 0
-        low, high, trial, taken, error = 0.0 * h, h, h, 0.0 * h, 0.0 * h
-        kind, where = NONE, NONE
-        exactness = self.impacts.tolerance * whole
+        search = self.search(NONE, NONE, 0.0, h)
+        trial, taken, error = h, 0.0 * h, 0.0 * h
         while taken == 0.0:
             rests = self._try(packs, t0, now, trial, whole, lies * (tries == 0), rests)
             tries += 1
@@ -55,34 +60,45 @@ class LocatedMarch(SerialMarch):
                     self.impacts.lift(b)
                 taken = trial
             else:
-                first, place, due, near, turn = self._survey(packs, trial, kind, where, exactness)
-                happened, sought = first != NONE, kind != NONE
-                if happened:
-                    kind, where, high = first, place, trial
-                elif sought:
-                    low = trial
-                narrow = (high - low <= exactness) | (tries >= MOST_SEARCHED)
-                lets_off = (kind >= RELEASE) & (not happened)
-                if (not happened) & (not sought):
-                    if (turn < trial) & (not narrow):
-                        trial = turn
-                    else:
-                        taken = trial
-                        for b in range(packs):
-                            self.impacts.calm(b)
-                elif ((near != 0) & (not lets_off)) | (sought & narrow):
-                    if lets_off:
-                        trial = high
-                    else:
-                        taken = trial
-                        self._strike(packs, kind, where, exactness, trial <= self.impacts.instant * whole)
-                else:
-                    inside = (due > low) & (due < high) & (tries % BISECTION != 0)
-                    trial = ti.select(inside, due, 0.5 * (low + high))
+                taken, trial = self._judged(packs, trial, whole, tries, search)
             if taken == 0.0:
                 for b in range(packs):
                     self.step.revert(b)
         return taken, error, tries
+
+    @ti.func
+    def _judged(self, packs, trial, whole, tries, search: ti.template()):
+        """How far a trial is taken, and how long the next one is.
+
+        It is taken to its end, and what happens there has happened, or not at all, and the search goes on.
+        """
+        taken, following = 0.0 * trial, trial
+        exactness = self.impacts.tolerance * whole
+        first, place, due, near, turn = self._survey(packs, trial, search.kind, search.where, exactness)
+        happened, sought = first != NONE, search.kind != NONE
+        if happened:
+            search.kind, search.where, search.high = first, place, trial
+        elif sought:
+            search.low = trial
+        narrow = (search.high - search.low <= exactness) | (tries >= MOST_SEARCHED)
+        lets_off = (search.kind >= RELEASE) & (not happened)
+        if (not happened) & (not sought):
+            if (turn < trial) & (not narrow):
+                following = turn
+            else:
+                taken = trial
+                for b in range(packs):
+                    self.impacts.calm(b)
+        elif ((near != 0) & (not lets_off)) | (sought & narrow):
+            if lets_off:
+                following = search.high
+            else:
+                taken = trial
+                self._strike(packs, search.kind, search.where, exactness, trial <= self.impacts.instant * whole)
+        else:
+            inside = (due > search.low) & (due < search.high) & (tries % BISECTION != 0)
+            following = ti.select(inside, due, 0.5 * (search.low + search.high))
+        return taken, following
 
     @ti.func
     def _entered(self, packs, t0, now, h):
