@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from particlecli.cli.columns import table
-from particlecli.cli.scenes import Overrides, SceneFile, load
+from particlecli.cli.options import AsJson, Overrides, SceneFile, Threads
+from particlecli.cli.scenes import load
 from particlecli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -32,10 +33,8 @@ def command(
         Path | None,
         typer.Option(metavar="FILE", help="Plot the stability regions and the modes: .svg, .png or .pdf."),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Worker threads.  [default: one a core]")
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    threads: Threads = None,
+    json: AsJson = False,
 ) -> None:
     """Show how a scene moves, linearized, and at which steps each integrator is stable.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from particlecli.cli.console import message
+from particlecli.cli.options import Quiet
 
 if TYPE_CHECKING:
     from particlecli.batch.jobs import Job
@@ -21,7 +22,6 @@ Jobs = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Run also what is up to date.")]
 PictureQuality = Annotated[Literal["draft", "final"], typer.Option("--quality", help="draft: half the resolution.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="No progress.")]
 
 
 def command(

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, TypeVar, get_args
 import typer
 
 from particlecli.cli.console import message
-from particlecli.cli.scenes import Overrides, SceneFile, load
+from particlecli.cli.options import OutputFolder, Overrides, Quiet, SceneFile, Threads
+from particlecli.cli.scenes import load
 from particlecli.errors import UsageError
 
 if TYPE_CHECKING:
@@ -20,41 +21,50 @@ if TYPE_CHECKING:
 
 Number = TypeVar("Number", int, float)
 
+Integrators = Annotated[
+    str | None,
+    typer.Option("--integrators", metavar="A,B,…", help="Integrators to try.  [default: all that suit the scene]"),
+]
+Steps = Annotated[
+    str | None,
+    typer.Option("--steps", metavar="N,N,…", help="Equal steps in a frame.  [default: doubled while it pays]"),
+]
+Tolerances = Annotated[
+    str | None,
+    typer.Option(
+        "--tolerances", metavar="T,T,…", help="Of adaptive integrators.  [default: ever smaller while it pays]"
+    ),
+]
+Particles = Annotated[
+    int | None,
+    typer.Option(
+        "--particles", metavar="N", min=1, help="Particles of each group to simulate, at most.  [default: up to 20,000]"
+    ),
+]
+Budget = Annotated[
+    float,
+    typer.Option("--budget", metavar="S", min=1.0, help="Seconds that all may take, about; what is left out is said."),
+]
+Longest = Annotated[
+    float, typer.Option("--longest", metavar="S", min=0.01, help="Seconds that one run may take, about.")
+]
+Peers = Annotated[bool, typer.Option("--peers/--no-peers", help="Let SciPy's integrators run too.")]
+
 
 def command(
     scene: SceneFile,
-    integrators: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,…", help="Integrators to try.  [default: all that suit the scene]"),
-    ] = None,
-    steps: Annotated[
-        str | None,
-        typer.Option(metavar="N,N,…", help="Equal steps in a frame.  [default: doubled while it pays]"),
-    ] = None,
-    tolerances: Annotated[
-        str | None,
-        typer.Option(metavar="T,T,…", help="Of adaptive integrators.  [default: ever smaller while it pays]"),
-    ] = None,
-    particles: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Particles of each group to simulate, at most.  [default: up to 20,000]"),
-    ] = None,
-    budget: Annotated[
-        float,
-        typer.Option(metavar="S", min=1.0, help="Seconds that all may take, about; what is left out is said."),
-    ] = 120.0,
-    longest: Annotated[float, typer.Option(metavar="S", min=0.01, help="Seconds that one run may take, about.")] = 1.0,
-    peers: Annotated[bool, typer.Option("--peers/--no-peers", help="Let SciPy's integrators run too.")] = True,
-    folder: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Output folder.  [default: outputs/<scene name>]"),
-    ] = None,
+    integrators: Integrators = None,
+    steps: Steps = None,
+    tolerances: Tolerances = None,
+    particles: Particles = None,
+    budget: Budget = 120.0,
+    longest: Longest = 1.0,
+    peers: Peers = True,
+    folder: OutputFolder = None,
     overrides: Overrides = None,
-    threads: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Worker threads.  [default: one a core]")
-    ] = None,
+    threads: Threads = None,
     json: Annotated[bool, typer.Option("--json", help="Print what bench.json holds, as one JSON object.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Measure error against speed of integrators on a scene.
 

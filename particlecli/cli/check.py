@@ -13,8 +13,9 @@ import typer
 
 from particlecli.cli.columns import table
 from particlecli.cli.console import message
+from particlecli.cli.options import AsJson, Overrides, SceneFiles, Threads
 from particlecli.cli.progress import progress
-from particlecli.cli.scenes import Overrides, load
+from particlecli.cli.scenes import load
 from particlecli.errors import CheckFailedError, ParticleError, UsageError
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Outcome:
 
 
 def command(
-    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (YAML).")],
+    scenes: SceneFiles,
     against: Annotated[
         Literal["scipy"] | None,
         typer.Option(help="Compare all particles at all frames with SciPy's DOP853 in double precision too."),
@@ -74,10 +75,8 @@ def command(
         str, typer.Option(metavar="T", help="Largest distance from SciPy's that passes: 0.5 px, 1e-6 m.")
     ] = "0.5 px",
     overrides: Overrides = None,
-    threads: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Worker threads.  [default: one a core]")
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    threads: Threads = None,
+    json: AsJson = False,
 ) -> None:
     """Run scenes and compare them with the answers that are known, which they list under `reference`.
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json as json_module
 import math
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from particlecli.cli.columns import size, table
-from particlecli.cli.scenes import Overrides, SceneFile, load
+from particlecli.cli.options import AsJson, Overrides, SceneFile
+from particlecli.cli.scenes import load
 
 if TYPE_CHECKING:
     from particlecli.auto.choice import Choice
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def command(
     scene: SceneFile,
     overrides: Overrides = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Show what would be built for a scene, and why.
 

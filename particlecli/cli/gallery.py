@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from particlecli.cli.batch import AsJson, Folder, Force, Jobs, PictureQuality, Quiet, carry_out
+from particlecli.cli.batch import AsJson, Folder, Force, Jobs, PictureQuality, carry_out
+from particlecli.cli.options import Quiet
 from particlecli.errors import UsageError
 
 _PACKAGE = Path(__file__).parents[1]

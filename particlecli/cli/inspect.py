@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from particlecli.cli.console import message
+from particlecli.cli.options import RecordingFile
 from particlecli.errors import CheckFailedError, OutputError, UsageError
 
 if TYPE_CHECKING:
     from particlecli.sinks.recording.reader import Recording
-
-RecordingFile = Annotated[Path, typer.Argument(metavar="FILE.rrd", help="The recording.")]
 
 
 def command(

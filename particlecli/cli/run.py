@@ -2,51 +2,55 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from particlecli.cli.console import message
-from particlecli.cli.scenes import Overrides, SceneFile, load
+from particlecli.cli.options import OutputFolder, Overrides, Quiet, SceneFile, Threads
+from particlecli.cli.scenes import load
 from particlecli.errors import UsageError
 
 if TYPE_CHECKING:
     from particlecli.scene.outputs import Output
 
+Video = Annotated[
+    str | None,
+    typer.Option("--video", metavar="F", help="Write a video: .mp4, .webm or .gif, within the output folder."),
+]
+Frames = Annotated[
+    str | None,
+    typer.Option("--frames", metavar="DIR", help="Write a folder of PNG pictures, within the output folder."),
+]
+Trajectory = Annotated[
+    str | None,
+    typer.Option(
+        "--trajectory",
+        metavar="F",
+        help="Write all particles at all frames: .npz or .csv, within the output folder.",
+    ),
+]
+Rrd = Annotated[
+    str | None,
+    typer.Option("--rrd", metavar="F", help="Write a Rerun recording: .rrd, within the output folder."),
+]
+
 
 def command(
     scene: SceneFile,
-    folder: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Output folder.  [default: outputs/<scene name>]"),
-    ] = None,
-    video: Annotated[
-        str | None,
-        typer.Option(metavar="F", help="Write a video: .mp4, .webm or .gif, within the output folder."),
-    ] = None,
-    frames: Annotated[
-        str | None,
-        typer.Option(metavar="DIR", help="Write a folder of PNG pictures, within the output folder."),
-    ] = None,
-    trajectory: Annotated[
-        str | None,
-        typer.Option(metavar="F", help="Write all particles at all frames: .npz or .csv, within the output folder."),
-    ] = None,
-    rrd: Annotated[
-        str | None,
-        typer.Option(metavar="F", help="Write a Rerun recording: .rrd, within the output folder."),
-    ] = None,
+    folder: OutputFolder = None,
+    video: Video = None,
+    frames: Frames = None,
+    trajectory: Trajectory = None,
+    rrd: Rrd = None,
     no_output: Annotated[bool, typer.Option("--no-output", help="Simulate only; write nothing.")] = False,
     overrides: Overrides = None,
     quality: Annotated[
         Literal["draft", "final"], typer.Option(help="draft: half the resolution and faster encoding.")
     ] = "final",
-    threads: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Worker threads.  [default: one a core]")
-    ] = None,
+    threads: Threads = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate a scene and write its outputs.
 

@@ -1,13 +1,11 @@
-"""Scene files as arguments."""
+"""Reading the scene that a command is given."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from particlecli.errors import UsageError
 
@@ -15,16 +13,6 @@ if TYPE_CHECKING:
     from particlecli.scene.model import Scene
 
 _PATTERNS = ("*.yaml", "*.yml")
-
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file (YAML).")]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Change a value of the scene, as in integrator.dt=0.01; can be given several times.",
-    ),
-]
 
 
 def load(path: Path, overrides: Sequence[str] | None = None) -> Scene:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from particlecli.cli.console import message
-from particlecli.cli.scenes import Overrides, load
+from particlecli.cli.options import Overrides, SceneFiles
+from particlecli.cli.scenes import load
 from particlecli.errors import ParticleError
 
 
 def command(
-    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (YAML).")],
+    scenes: SceneFiles,
     overrides: Overrides = None,
 ) -> None:
     """Check scenes and print every problem with its line and column."""

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from particlecli.cli.console import message
-from particlecli.cli.inspect import RecordingFile
+from particlecli.cli.options import RecordingFile
 from particlecli.errors import UsageError
 
 
