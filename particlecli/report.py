@@ -55,6 +55,7 @@ class Report:
         births: by group.
         deaths: by group and cause.
         estimated_error: of positions, by group, see `GroupError`; a group of which nothing was compared is not there.
+        not_estimated: groups of which that would have cost too large a share of the run.
         impacts: by group that meets planes: "located" at their instants, or at the "end_of_step".
         conserved: by quantity that the forces between particles keep, how far it drifted, see `Conserved`.
         particle_steps: steps taken, summed over all particles.
@@ -82,6 +83,7 @@ class Report:
     births: dict[str, int]
     deaths: dict[str, dict[str, int]]
     estimated_error: dict[str, GroupError]
+    not_estimated: tuple[str, ...]
     impacts: dict[str, ContactScheme]
     conserved: dict[str, float]
     particle_steps: int

@@ -10,16 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from particlecli import runtime
+from particlecli.accuracy import prices
 from particlecli.accuracy.conserved import Conserved
-from particlecli.accuracy.estimate import ErrorEstimate, GroupError
+from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.observer import Observer
 from particlecli.accuracy.refusal import refuse_unstable
+from particlecli.accuracy.watch import Accuracy, Watch
 from particlecli.errors import UsageError
 from particlecli.records import Records
 from particlecli.render.camera import views_of
 from particlecli.report import Phases, Report, versions
 from particlecli.scene.model import Scene
-from particlecli.scene.outputs import Output, VideoOutput
+from particlecli.scene.outputs import Output, RecordingOutput, TrajectoryOutput, VideoOutput
 from particlecli.simulate import Simulation
 from particlecli.sinks.base import Sink
 from particlecli.sinks.registry import make_sink
@@ -40,6 +42,7 @@ class RunOptions:
         outputs: what to write instead of the scene's own outputs; empty: nothing at all, not even the report.
         quality: "final" as the scene says; "draft" with half the resolution and faster encoding.
         threads: worker threads; none: one a core. Results do not depend on it.
+        estimate: whether to estimate the error at whatever cost, or not at all; none: at a small share of the run's.
     """
 
     name: str | None = None
@@ -47,6 +50,7 @@ class RunOptions:
     outputs: tuple[Output, ...] | None = None
     quality: Quality = "final"
     threads: int | None = None
+    estimate: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -134,13 +138,12 @@ class _Run:
                 notice(line)
             with self.starting:
                 refuse_unstable(simulation)
-                estimate = ErrorEstimate(simulation, views_of(self.scene.camera, *self.size, self.scene.frames))
                 observer = Observer(simulation) if self._observed else None
-                conserved = Conserved(simulation)
+            with self.estimating:
+                accuracy = self._accuracy(simulation)
             for frame in simulation:
                 with self.estimating:
-                    estimate.watch(frame)
-                    conserved.watch(frame)
+                    accuracy.watch(frame)
                 with self.rendering:
                     image = renderer.render(frame) if renderer else None
                 with self.encoding:
@@ -150,14 +153,13 @@ class _Run:
                         sink.write(frame, image)
                 progress(Progress(frame.index + 1, self.scene.frame_count, simulation.alive))
             with self.estimating:
-                errors = estimate.result()
-            drifts = conserved.result()
-            told = self._report(simulation, errors, drifts).to_json()
+                found = accuracy.result()
+            told = self._report(simulation, found).to_json()
             with self.encoding:
                 for sink in self.sinks:
-                    sink.conclude(told, {name: error.over_time for name, error in errors.items()})
+                    sink.conclude(told, {name: error.over_time for name, error in found.errors.items()})
                     sink.close()
-            report = self._report(simulation, errors, drifts)
+            report = self._report(simulation, found)
             if self.records:
                 self.records.write(report)
         return report
@@ -174,12 +176,27 @@ class _Run:
                 each.abort()
             raise
 
+    def _accuracy(self, simulation: Simulation) -> Watch:
+        """What tells of errors, within what the options allow."""
+        if self.options.estimate is False:
+            return Watch()
+        size = self.size if self._pictured else None
+        records = sum(isinstance(output, TrajectoryOutput | RecordingOutput) for output in self.scene.outputs)
+        allowed = None if self.options.estimate else prices.besides(self.scene, size, records)
+        conserved = Conserved(simulation, allowed)
+        view_at = views_of(self.scene.camera, *self.size, self.scene.frames)
+        return Watch(ErrorEstimate(simulation, view_at, allowed, conserved.price), conserved)
+
+    @property
+    def _pictured(self) -> bool:
+        return any(sink.needs_image for sink in self.sinks)
+
     @property
     def _observed(self) -> bool:
         return any(sink.needs_series for sink in self.sinks)
 
     def _renderer(self) -> Renderer | None:
-        if not any(sink.needs_image for sink in self.sinks):
+        if not self._pictured:
             return None
         from particlecli.render.renderer import Renderer
 
@@ -204,7 +221,7 @@ class _Run:
                 if file == other or file in other.parents or other in file.parents:
                     raise UsageError(f"two outputs would write to {file}; give them different names")
 
-    def _report(self, simulation: Simulation, errors: dict[str, GroupError], drifts: dict[str, float]) -> Report:
+    def _report(self, simulation: Simulation, found: Accuracy) -> Report:
         seconds = simulation.simulate_seconds
         root = self.folder.resolve()
         return Report(
@@ -217,15 +234,16 @@ class _Run:
             step_s=None if simulation.scene.integrator.adaptive else simulation.plan.step,
             choice=simulation.choice,
             quality=self.options.quality,
-            resolution=self.size if any(sink.needs_image for sink in self.sinks) else None,
+            resolution=self.size if self._pictured else None,
             threads=self.options.threads,
             frames=self.scene.frame_count,
             alive=simulation.alive,
             births=dict(simulation.births),
             deaths={group: dict(causes) for group, causes in simulation.deaths.items()},
-            estimated_error=errors,
+            estimated_error=found.errors,
+            not_estimated=found.left_out,
             impacts={group.name: group.impacts for group in simulation.plan.groups if group.impacts},
-            conserved=drifts,
+            conserved=found.drifts,
             particle_steps=simulation.particle_steps,
             particle_steps_per_second=simulation.particle_steps / seconds if seconds else 0.0,
             bytes_per_particle={group.name: group.bytes_per_particle for group in simulation.plan.groups},

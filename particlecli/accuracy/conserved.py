@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from particlecli.accuracy import prices
 from particlecli.accuracy.energy import conserves_energy
 from particlecli.accuracy.observer import Observer
 from particlecli.dynamics.births import ParticleBirths
@@ -20,25 +21,51 @@ if TYPE_CHECKING:
 
 Doubles = NDArray[np.float64]
 
-LOOKS = 16
-"""Frames at which is looked, at most, beside the first."""
+LOOKS, FEWEST = 16, 4
+"""Frames at which is looked beside the first, at most and at least."""
+
+ENERGY = 0.1
+"""The price of loading the kernels of potential energies, s, see `prices`."""
 
 
 class Conserved:
     """Watches those quantities of a simulation that its forces keep; what they drift by is the scheme's error.
 
-    Of a scene of which some particles do not act on others, and where particles come or go, nothing is said.
+    Of a scene of which some particles do not act on others, and where particles come or go, nothing is said. Energy is
+    left out where it would cost more than `prices.SHARE` of what is foreseen of the run.
+
+    Args:
+        simulation: not advanced yet.
+        besides: the price of what the run makes beside simulating.
+
+    Attributes:
+        names: the quantities.
+        price: of watching them, s.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, besides: prices.Besides | None = None) -> None:
         self._simulation = simulation
         self._plans = {plan.name: plan for plan in simulation.plan.groups}
-        self.names = _kept(simulation)
+        self.names, self.price, looks = _kept(simulation), 0.0, LOOKS
+        if "energy" in self.names:
+            looks = self._energy_looks(besides or prices.Besides())
         self._observer = Observer(simulation) if "energy" in self.names else None
         last = simulation.scene.frame_count - 1
-        self._frames = {round(number * last / LOOKS) for number in range(LOOKS + 1)}
+        self._frames = {round(number * last / looks) for number in range(looks + 1)}
         self._values: dict[str, list[Doubles]] = {name: [] for name in self.names}
         self._scales = dict.fromkeys(self.names, 0.0)
+
+    def _energy_looks(self, besides: prices.Besides) -> int:
+        """At how many frames energy can be paid for; if at too few, it is not looked at."""
+        plan = self._simulation.plan
+        left = prices.SHARE * (besides.fixed + prices.foreseen(plan)) - ENERGY
+        each = prices.CALL + prices.together(plan)
+        looks = int(min(LOOKS, left / each - 1.0))
+        if looks < FEWEST:
+            self.names.remove("energy")
+            return LOOKS
+        self.price = ENERGY + (looks + 1) * each
+        return looks
 
     def watch(self, frame: Frame) -> None:
         """Note the quantities at a frame that the simulation has just made."""

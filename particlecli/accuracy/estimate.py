@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from particlecli.accuracy import prices
+from particlecli.accuracy.bound import bound_samples
 from particlecli.accuracy.families import child_samples
-from particlecli.accuracy.samples import QUARTER, Sample, bound_samples
+from particlecli.accuracy.samples import Sample
 from particlecli.accuracy.tracks import Doubles, Ids, Mask, found
+from particlecli.accuracy.trends import QUANTILE, Size, Trend, lost, size_of, trend_of, unit_of
 from particlecli.frame import Curve
 from particlecli.render.camera import on_picture
 
 if TYPE_CHECKING:
-    from particlecli.dynamics.group import Group
-    from particlecli.dynamics.rerun import Repeated
     from particlecli.frame import Frame
     from particlecli.render.camera import View
     from particlecli.simulate import Simulation
@@ -25,38 +25,6 @@ if TYPE_CHECKING:
 CHECKPOINTS, IN_ALL, AT_LEAST = 16, 64, 8
 """Frames at which a sample is compared, at most; of all groups together; and, where there are many groups, at least.
 They are spread evenly, the last one among them."""
-
-NEARER = 0.7
-"""Solutions converge if each is nearer to the next one than this share of the distance before."""
-
-FAR, HIGHEST = 0.01, 4.0
-"""Solutions further apart than this share of how far particles go are chaotic, unless halving the step gains half the
-orders of magnitude it should; for that no order counts as more than the second number."""
-
-ROUNDINGS = 10.0
-"""Roundings of the coordinates, times the square root of the number of steps, that are called rounding."""
-
-QUANTILE = 0.95
-
-SQRT3 = math.sqrt(3.0)
-"""Two solutions, one of twice as many roundings, are √3 times as far apart as one of them is off."""
-
-Trend = Literal["converging", "rounding", "irregular", "chaotic", "unchecked"]
-"""What happens to the solution as steps get shorter: it settles as it should; rounding is all that changes; it settles,
-but not as it should, so that the estimate is rough; it does not settle. Or that was not looked at."""
-
-
-@dataclass(frozen=True)
-class Size:
-    """Errors of the sampled particles at the compared frames.
-
-    Attributes:
-        p95: 95 in 100 are not larger.
-        largest: of all.
-    """
-
-    p95: float
-    largest: float
 
 
 @dataclass(frozen=True)
@@ -90,19 +58,36 @@ class ErrorEstimate:
     nearer, the motion is chaotic at this step, and the estimate says so. Adaptive schemes get smaller tolerances
     instead of shorter steps. Which particles are looked at depends on the scene alone.
 
+    Where that would cost more than `prices.SHARE` of the run, particles are carried at twice and four times the step
+    instead, an eighth of the work: the error is 1/(2^p − 1) of the difference. Where that is too dear as well, nothing
+    is told. Both costs are counted, so that the same scene always gives the same estimate.
+
     Args:
         simulation: not advanced yet.
         view_at: the camera that makes the picture, at each instant, s.
+        besides: the price of what the run makes beside simulating.
+        spent: price of other estimates, s.
+
+    Attributes:
+        left_out: in the end, groups of which an estimate would be too dear.
     """
 
-    def __init__(self, simulation: Simulation, view_at: Callable[[float], View]) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        view_at: Callable[[float], View],
+        besides: prices.Besides | None = None,
+        spent: float = 0.0,
+    ) -> None:
         self._simulation, self._view_at = simulation, view_at
+        self._besides, self._spent, self._points = besides or prices.Besides(), spent, 0
+        self.left_out: tuple[str, ...] = ()
         last = simulation.scene.frame_count - 1
         groups = max(1, len(simulation.system.groups))
         count = min(last, CHECKPOINTS, max(AT_LEAST, IN_ALL // groups))
         self._frames = [round(number * last / count) for number in range(1, count + 1)]
         self._samples = {
-            name: Sample(group, len(self._frames), simulation.plan.steps_per_frame * last)
+            name: Sample(group, simulation.system, len(self._frames))
             for name, group in simulation.system.groups.items()
             if group.plan.births.total and self._frames and not group.plan.coupled
         }
@@ -111,6 +96,7 @@ class ErrorEstimate:
 
     def watch(self, frame: Frame) -> None:
         """Note where the sample is at a frame."""
+        self._points += sum(len(group.ids) for group in frame.groups.values())
         if frame.index in self._frames:
             place = self._frames.index(frame.index)
             for name, sample in self._samples.items():
@@ -119,12 +105,24 @@ class ErrorEstimate:
 
     def result(self) -> dict[str, GroupError]:
         """By group, the estimate; of a simulation at its end. Groups of which nothing was compared are left out."""
+        self._budget()
         scene = self._simulation.scene
         times = np.array(self._frames) / scene.fps
         counts = np.diff([0, *self._frames]) * self._simulation.plan.steps_per_frame
         checkpoints = _Checkpoints(self._frames, times, counts, [self._view_at(time) for time in times.tolist()])
         estimates = {name: _compared(sample, checkpoints) for name, sample in self._samples.items()}
+        self.left_out += tuple(name for name, sample in self._samples.items() if sample.carrier.comparison is None)
         return {name: estimate for name, estimate in estimates.items() if estimate is not None}
+
+    def _budget(self) -> None:
+        """Grant each sample its share, the cheapest ones first, which leave the others what they do not need."""
+        system = self._simulation.system
+        run = self._besides.fixed + self._points * self._besides.point + prices.simulated(system)
+        left = prices.SHARE * run - self._spent
+        carriers = list(dict.fromkeys(sample.carrier for sample in self._samples.values()))
+        carriers.sort(key=lambda carrier: carrier.price(carrier.comparisons()[0]))
+        for place, carrier in enumerate(carriers):
+            left -= carrier.grant(left / (len(carriers) - place))
 
 
 @dataclass(frozen=True)
@@ -141,15 +139,21 @@ def _compared(sample: Sample, checkpoints: _Checkpoints) -> GroupError | None:
     times, counts = checkpoints.times, checkpoints.counts
     if sample.flies_straight:
         there = ~np.isnan(sample.positions[:, :, 0])
-        return _error(sample, 0.5 * _unit(sample), there, "rounding", checkpoints) if there.any() else None
-    other = sample.again(np.arange(len(sample.ids)), -1 if sample.heavy else 1, times, counts)
+        return _error(sample, 0.5 * unit_of(sample), there, "rounding", checkpoints) if there.any() else None
+    comparison = sample.carrier.comparison
+    if comparison is None:
+        return None
+    other = sample.again(np.arange(len(sample.ids)), comparison.refinement, times, counts)
+    if not other.complete:
+        sample.carrier.comparison = None
+        return None
     distance = np.linalg.norm(sample.positions - other.positions, axis=2)
     both = ~np.isnan(distance)
     if not both.any():
         return None
-    share, trend = _trend(sample, other, distance, times, counts)
-    stuck = _stuck(sample, other, times, counts)
-    length = np.maximum(np.maximum(share * distance, stuck), 0.5 * _unit(sample))
+    share, trend = trend_of(sample, comparison, other, distance, times, counts)
+    stuck = lost(sample, other, times, counts)
+    length = np.maximum(np.maximum(share * distance, stuck), 0.5 * unit_of(sample))
     if (stuck[both] > share * distance[both]).mean() > 1.0 - QUANTILE:
         trend = "rounding"
     either = ~(np.isnan(sample.positions[:, :, 0]) & np.isnan(other.positions[:, :, 0]))
@@ -169,8 +173,8 @@ def _error(sample: Sample, length: Doubles, either: Mask, trend: Trend, checkpoi
         ]
     )
     return GroupError(
-        metres=_size(length[compared]),
-        pixels=None if np.isnan(seen).all() else _size(seen[~np.isnan(seen)]),
+        metres=size_of(length[compared]),
+        pixels=None if np.isnan(seen).all() else size_of(seen[~np.isnan(seen)]),
         trend=trend,
         sampled=len(sample.ids),
         frames=len(length),
@@ -184,66 +188,5 @@ def _over_time(length: Doubles, compared: Mask, checkpoints: _Checkpoints) -> Cu
     return Curve(
         frames=tuple(checkpoints.frames[row] for row in rows),
         times=tuple(checkpoints.times[rows].tolist()),
-        values=tuple(_size(length[row, compared[row]]).p95 for row in rows),
+        values=tuple(size_of(length[row, compared[row]]).p95 for row in rows),
     )
-
-
-def _trend(sample: Sample, other: Repeated, distance: Doubles, times: Doubles, counts: Ids) -> tuple[float, Trend]:
-    """What the distance between two solutions has to be multiplied by to get the error, and what they tend to."""
-    order = _order(sample.group)
-    if sample.heavy:
-        return 1.0 / (2.0**order - 1.0), "unchecked"
-    if sample.once:
-        return 1.0 / (1.0 - 2.0**-order), "unchecked"
-    places, some = sample.checked, np.arange(len(times))[::-QUARTER][::-1]
-    finest = sample.again(places, 2, times[some], np.diff([0, *np.cumsum(counts)[some]]))
-    distances = distance[some][:, places]
-    rests = np.linalg.norm(other.positions[some][:, places] - finest.positions, axis=2)
-    common = ~(np.isnan(rests) | np.isnan(distances))
-    declared = 1.0 / (1.0 - 2.0**-order)
-    if not common.any():
-        return declared, "unchecked"
-    first, second = _size(distances[common]).p95, _size(rests[common]).p95
-    reach = float(np.nanquantile(np.linalg.norm(sample.positions - sample.births.positions.T, axis=2), QUANTILE))
-    if first > FAR * reach and second > first / 2.0 ** (0.5 * min(order, HIGHEST)):
-        return 2.0, "chaotic"
-    if second <= NEARER * first and first > 0.0:
-        return max(declared, first / (first - second)), "converging"
-    return (1.0 / SQRT3, "rounding") if first <= _rounding(sample, counts) else (2.0, "irregular")
-
-
-def _order(group: Group) -> float:
-    """With which power of the step the error falls; that of an adaptive scheme vanishes with the tolerance."""
-    if group.plan.adaptive:
-        return math.inf
-    simple = bool(group.plan.planes) and group.plan.contact == "end_of_step"
-    return 1 if simple else group.plan.scheme.order
-
-
-def _unit(sample: Sample) -> Doubles:
-    """The rounding of the largest coordinate of each particle at each frame, m, shape (frames, n)."""
-    largest = np.abs(sample.positions).max(axis=2)
-    if sample.group.plan.real_bytes == 4:
-        return np.asarray(np.spacing(largest.astype(np.float32))).astype(np.float64)
-    return np.asarray(np.spacing(largest))
-
-
-def _rounding(sample: Sample, counts: Ids) -> float:
-    """A distance that rounding alone explains, m."""
-    return ROUNDINGS * float(np.nanquantile(_unit(sample), 0.95)) * math.sqrt(float(counts.sum()))
-
-
-def _stuck(sample: Sample, other: Repeated, times: Doubles, counts: Ids) -> Doubles:
-    """How far particles may be behind because steps vanish in the rounding of large coordinates, m.
-
-    Shape (frames, n). All solutions lose these alike, so that comparing them does not tell.
-    """
-    unit = np.nan_to_num(_unit(sample))
-    spans = np.diff([0.0, *times])[:, None]
-    steps = counts[:, None]
-    lost = (other.speeds > 0) & (other.speeds * spans < 4.0 * unit * steps)
-    return np.cumsum(np.where(lost, np.minimum(0.5 * unit * steps, other.speeds * spans), 0.0), axis=0)
-
-
-def _size(values: Doubles) -> Size:
-    return Size(float(np.quantile(values, QUANTILE, method="inverted_cdf")), float(values.max()))

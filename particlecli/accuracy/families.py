@@ -6,7 +6,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from particlecli.accuracy.samples import LARGEST, Sample, tighter
+from particlecli.accuracy import prices
+from particlecli.accuracy.samples import (
+    COARSER_ALONE,
+    FINER_ALONE,
+    FIXED,
+    LARGEST,
+    Carrier,
+    Comparison,
+    Sample,
+    nowhere,
+    ratio_of,
+    tighter,
+    work_of,
+)
 from particlecli.accuracy.tracks import Doubles, Ids, found
 from particlecli.dynamics.sampling import spread
 from particlecli.errors import SimulationError
@@ -22,7 +35,7 @@ EARLY = 0.7
 """Of the births of a group, those that may be chosen."""
 
 
-class Families:
+class Families(Carrier):
     """Some of the particles that have no parents, and all their descendants, in a run with refined steps.
 
     Attributes:
@@ -34,12 +47,29 @@ class Families:
         self._system = system
         self.roots = self._chosen()
         everyone = self._descendants(self.roots)
+        self._counts = {name: len(ids) for name, ids in everyone.items()}
         self.ids = {
             name: ids[spread(len(ids), LARGEST)]
             for name, ids in everyone.items()
             if len(ids) and not system.groups[name].plan.births.total
         }
         self._found: dict[str, Repeated] | None = None
+
+    def comparisons(self) -> list[Comparison]:
+        """With one solution: families are large."""
+        plan = self._system.plan
+        adaptive = next(iter(self._system.groups.values())).plan.adaptive
+        return [FINER_ALONE] if adaptive or plan.steps_per_frame == 1 else [FINER_ALONE, COARSER_ALONE]
+
+    def price(self, comparison: Comparison) -> float:
+        """What a comparison costs, s."""
+        plan, work = self._system.plan, 0.0
+        for name, count in self._counts.items():
+            group, born = self._system.groups[name].plan, self._system.births[name]
+            each = self._system.group_evaluations[name] / born if born else 0.0
+            work += work_of(group, comparison.refinement) * prices.carried(group, plan, each, count)
+        calls = plan.scene.frame_count * len(plan.groups) * prices.CALL
+        return FIXED * len(self.ids) + calls + work
 
     def _chosen(self) -> dict[str, Ids]:
         """So many that their descendants make up a sample, one at least; not the last ones."""
@@ -62,23 +92,26 @@ class Families:
             found.setdefault(brood.child, []).append(children)
         return {name: np.sort(np.concatenate(parts)) for name, parts in found.items()}
 
-    def again(self, times: Doubles) -> dict[str, Repeated]:
-        """By group of children, where they are at these times, s, in a run at half the step; run once."""
+    def again(self, refinement: int, times: Doubles) -> dict[str, Repeated]:
+        """By group of children, where they are at these times, s, in a run with other steps; run once."""
         if self._found is None:
-            self._found = self._run(times)
+            self._found = self._run(refinement, times)
         return self._found
 
-    def _run(self, times: Doubles) -> dict[str, Repeated]:
-        from particlecli.dynamics.rerun import Repeated, run_again
+    def ratio(self, refinement: int) -> float:
+        """How many times as long the longer steps are, of the run's own and of refined ones."""
+        steps = self._system.plan.steps_per_frame
+        return ratio_of(steps, max(1, round(steps * 2.0**refinement)))
+
+    def _run(self, refinement: int, times: Doubles) -> dict[str, Repeated]:
+        from particlecli.dynamics.rerun import run_again
 
         system, interval = self._system, 1.0 / self._system.plan.scene.fps
-        runs = {
-            name: Repeated(np.full((len(times), len(ids), 3), np.nan), np.zeros((len(times), len(ids))))
-            for name, ids in self.ids.items()
-        }
+        runs = {name: nowhere(len(times), len(ids)) for name, ids in self.ids.items()}
         plan = next(iter(system.groups.values())).plan
         frames = np.round(times / interval).astype(int)
-        with run_again(system, 1.0 if plan.adaptive else 2.0, tighter(plan, 1) if plan.adaptive else None, self.roots):
+        tolerance = tighter(plan, refinement) if plan.adaptive else None
+        with run_again(system, 1.0 if plan.adaptive else 2.0**refinement, tolerance, self.roots):
             try:
                 for index in range(system.plan.scene.frame_count):
                     system.advance(index * interval)
@@ -101,17 +134,28 @@ class Families:
 class ChildSample(Sample):
     """Particles of a group that are born of others, carried again with their parents."""
 
-    once = True
-
     def __init__(self, group: Group, frames: int, families: Families) -> None:
         self.group, self._families = group, families
         self.ids = families.ids[group.plan.name]
         self.positions = np.full((frames, len(self.ids), 3), np.nan)
-        self.heavy = False
+
+    @property
+    def carrier(self) -> Carrier:
+        """The families they are of."""
+        return self._families
+
+    @property
+    def flies_straight(self) -> bool:
+        """Never: where they begin depends on their parents."""
+        return False
 
     def again(self, places: Ids, refinement: int, times: Doubles, counts: Ids) -> Repeated:  # noqa: ARG002
-        """Where they are in a run at half the step."""
-        return self._families.again(times)[self.group.plan.name]
+        """Where they are in a run with other steps."""
+        return self._families.again(refinement, times)[self.group.plan.name]
+
+    def ratio(self, refinement: int, counts: Ids) -> float:  # noqa: ARG002
+        """How many times as long the longer steps are, of the run's own and of refined ones."""
+        return self._families.ratio(refinement)
 
 
 def child_samples(simulation: Simulation, frames: list[int]) -> dict[str, Sample]:

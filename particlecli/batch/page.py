@@ -143,4 +143,6 @@ def _facts(report: dict[str, Any]) -> list[tuple[str, str]]:
     for group, error in report.get("estimated_error", {}).items():
         pixels = "" if error["pixels"] is None else f", {error['pixels']['p95']:.2g} px"
         facts.append((f"error of {group}", f"{error['metres']['p95']:.2g} m{pixels} ({error['trend']})"))
+    if report.get("not_estimated"):
+        facts.append(("error not estimated", ", ".join(report["not_estimated"])))
     return facts

@@ -49,6 +49,14 @@ def command(
         Literal["draft", "final"], typer.Option(help="draft: half the resolution and faster encoding.")
     ] = "final",
     threads: Threads = None,
+    estimate: Annotated[
+        bool | None,
+        typer.Option(
+            "--estimate/--no-estimate",
+            help="Estimate the error at any cost, or not at all.  [default: at 5 % of the run's]",
+            show_default=False,
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
     quiet: Quiet = False,
 ) -> None:
@@ -62,7 +70,7 @@ def command(
     from particlecli.cli.progress import progress
     from particlecli.run import RunOptions, run
 
-    options = RunOptions(folder=folder, outputs=outputs, quality=quality, threads=threads)
+    options = RunOptions(folder=folder, outputs=outputs, quality=quality, threads=threads, estimate=estimate)
     with progress(quiet=quiet) as show:
         report = run(loaded, options, show, None if quiet else message)
     if json:

@@ -8,11 +8,13 @@ from particlecli.cli.columns import size, table
 from particlecli.report import Report
 
 if TYPE_CHECKING:
-    from particlecli.accuracy.estimate import GroupError, Trend
+    from particlecli.accuracy.estimate import GroupError
+    from particlecli.accuracy.trends import Trend
 
 DOUBTS: dict[Trend, str] = {
     "chaotic": "shorter steps lead elsewhere: single paths mean nothing here, only what they have in common",
     "irregular": "the error does not fall with the step as it should; take it as an order of magnitude",
+    "unsettled": "longer steps lead elsewhere: chaotic, or steps near the longest that are stable; --estimate tells",
     "unchecked": "a single comparison, not told whether shorter steps lead to one solution",
 }
 """What to say of errors that are not what they are usually."""
@@ -34,7 +36,7 @@ def summary(report: Report) -> str:
     if report.births:
         header = ("group", "born", "alive", "bytes each", "error", "largest", "on screen", "died")
         lines += ["", *table(header, [_group(report, name) for name in report.births])]
-    if report.estimated_error:
+    if report.estimated_error or report.not_estimated:
         lines += ["", *_errors(report)]
     late = ", ".join(name for name, contact in report.impacts.items() if contact == "end_of_step")
     if late:
@@ -66,7 +68,10 @@ def _error(error: GroupError | None) -> tuple[str, str, str]:
 def _errors(report: Report) -> list[str]:
     """What the estimated errors are, and which of them are not to be relied on."""
     errors = report.estimated_error
-    lines = ["  error: estimated from a sample carried again in shorter steps; of 95 in 100 particles"]
+    lines = ["  error: estimated from a sample carried again in other steps; of 95 in 100 particles"] if errors else []
+    if report.not_estimated:
+        names = ", ".join(report.not_estimated)
+        lines.append(f"  error not estimated: {names}: more than 5 % of this run; --estimate does it at any cost")
     for trend, meaning in DOUBTS.items():
         names = ", ".join(name for name, error in errors.items() if error.trend == trend)
         if names:

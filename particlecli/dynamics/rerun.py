@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -29,17 +30,21 @@ class Stretch:
     steps: int
 
 
-@dataclass(frozen=True)
+@dataclass
 class Repeated:
     """What a rerun found.
 
     Attributes:
         positions: at the end of each stretch, shape (stretches, n, 3), m; NaN where a particle is not alive.
         speeds: likewise, shape (stretches, n), m/s; of a first-order group zero.
+        evaluations: that it took, summed over the particles.
+        complete: whether it went on to the end, and not only until it had taken as many as it might.
     """
 
     positions: Doubles
     speeds: Doubles
+    evaluations: int = 0
+    complete: bool = True
 
 
 def room(group: Group) -> int:
@@ -56,7 +61,13 @@ def prepare(group: Group, births: BirthTable) -> None:
             group.state.read(("fate",))
 
 
-def rerun(group: Group, births: BirthTable, stretches: Sequence[Stretch], tolerance: float | None = None) -> Repeated:
+def rerun(
+    group: Group,
+    births: BirthTable,
+    stretches: Sequence[Stretch],
+    tolerance: float | None = None,
+    most: float = math.inf,
+) -> Repeated:
     """Carry particles from their births to the end of the last stretch.
 
     They borrow the group's first packs and its kernels, so nothing is built or compiled; the group is left as it was.
@@ -67,6 +78,7 @@ def rerun(group: Group, births: BirthTable, stretches: Sequence[Stretch], tolera
         births: in order of birth, not more than there is `room` for.
         stretches: from t = 0 on, one after the other.
         tolerance: of an adaptive scheme; none: the group's own.
+        most: evaluations, summed over the particles, after which no further stretch is begun.
     """
     found = Repeated(np.full((len(stretches), len(births), 3), np.nan), np.zeros((len(stretches), len(births))))
     with _lent(group, len(births), tolerance):
@@ -74,7 +86,12 @@ def rerun(group: Group, births: BirthTable, stretches: Sequence[Stretch], tolera
         time = 0.0
         for index, stretch in enumerate(stretches):
             carried.bear(time, stretch.until)
-            if not carried.advance(time, stretch):
+            if found.evaluations > most:
+                found.complete = False
+                break
+            well = carried.advance(time, stretch)
+            found.evaluations = carried.evaluations
+            if not well:
                 break
             carried.note(found, index)
             time = stretch.until
@@ -88,6 +105,7 @@ class _Carried:
         self._group, self._births = group, births
         self._places = np.empty(0, np.int64)
         self._born = 0
+        self.evaluations = 0
 
     def bear(self, time: float, until: float) -> None:
         """Add those born up to a time, s."""
@@ -104,6 +122,7 @@ class _Carried:
         if not state.count or stretch.until == time:
             return True
         outcome = self._group.advance(time, stretch.until - time, stretch.steps)
+        self.evaluations += outcome.evaluations
         if outcome.died:
             self._places = self._places[state.read(("fate",))[0] <= 0]
             state.bury()
@@ -145,6 +164,7 @@ def run_again(
     refinement: float,
     tolerance: float | None = None,
     births: Mapping[str, NDArray[np.int64]] | None = None,
+    without: Collection[str] = (),
 ) -> Iterator[System]:
     """A system at t = 0 again, with so many times the steps; afterwards it is as it was.
 
@@ -153,12 +173,13 @@ def run_again(
         refinement: by which its equal steps a frame are multiplied.
         tolerance: of an adaptive scheme; none: the scene's own.
         births: by group, numbers of the particles that are born without parents, none in other groups; none: all are.
+        without: groups in which none are born without parents.
     """
     kept = {
         name: {component: group.state.read((component,))[0] for component in group.plan.components}
         for name, group in system.groups.items()
     }
-    names = ("plan", "time", "births", "deaths", "particle_steps", "evaluations", "_born_until")
+    names = ("plan", "time", "births", "deaths", "particle_steps", "group_evaluations", "_born_until")
     before = {name: getattr(system, name) for name in names}
     plans = {name: group.plan for name, group in system.groups.items()}
     coupled = system.coupled
@@ -166,7 +187,7 @@ def run_again(
     system.plan = replace(system.plan, steps_per_frame=max(1, round(system.plan.steps_per_frame * refinement)))
     try:
         for name, group in system.groups.items():
-            group.plan = _with(plans[name], tolerance, births)
+            group.plan = _with(plans[name], tolerance, {} if name in without else births)
         if coupled and tolerance is not None:
             coupled.tolerance = tolerance
         system.restart()

@@ -53,7 +53,7 @@ class System:
         births: how many were born so far, by group.
         deaths: how many died so far, by group and cause.
         particle_steps: steps taken, summed over all particles.
-        evaluations: evaluations of the equations of motion, likewise.
+        group_evaluations: evaluations of the equations of motion, summed over particles, by group that moves.
     """
 
     def __init__(self, plan: Plan, *, retraces: bool = True) -> None:
@@ -84,7 +84,7 @@ class System:
         """Go back to t = 0, to the particles that are there from the beginning."""
         self.time = 0.0
         self.particle_steps = 0
-        self.evaluations = 0
+        self.group_evaluations = dict.fromkeys(self.groups, 0)
         self.births = dict.fromkeys(self.plan.scene.groups, 0)
         self.births |= {name: group.count for name, group in self.fixed.items()}
         self.deaths: dict[str, dict[str, int]] = {name: {} for name in self.plan.scene.groups}
@@ -121,6 +121,11 @@ class System:
             name: Offspring(self.groups[name], [each for each in self.plan.broods if each.parent == name], births)
             for name in parents
         }
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the equations of motion, summed over all particles."""
+        return sum(self.group_evaluations.values())
 
     @property
     def alive(self) -> int:
@@ -164,7 +169,7 @@ class System:
     def _note(self, name: str, group: Group, outcome: Outcome, interval: float) -> None:
         """Take note of what became of a group in an interval."""
         self.particle_steps += outcome.steps
-        self.evaluations += outcome.evaluations
+        self.group_evaluations[name] += outcome.evaluations
         if outcome.failed_slot is not None:
             self._fail(group, outcome.failed_slot, interval)
         if name in self._offspring:

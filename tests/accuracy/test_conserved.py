@@ -7,6 +7,7 @@ import pytest
 
 from particlecli import runtime
 from particlecli.accuracy.conserved import Conserved
+from particlecli.accuracy.prices import Besides
 from particlecli.dynamics.plan import make_plan
 from particlecli.scene.model import Scene
 from particlecli.simulate import Simulation
@@ -70,3 +71,15 @@ def test_of_particles_that_come_and_go_nothing_is_said() -> None:
     dying = {"stars": {**BODIES, "lifetime": 1}}
     assert names(scene(particles=dying)) == []
     assert names(scene(emitters={"sparks": {"rate": 1, "lifetime": 1}})) == []
+
+
+def test_energy_is_looked_at_where_the_run_pays_for_it() -> None:
+    runtime.start("double", 1)
+    from particlecli.dynamics.system import System
+
+    plan = make_plan(scene())
+    simulation = cast(Simulation, SimpleNamespace(scene=plan.scene, plan=plan, system=System(plan)))
+    assert Conserved(simulation, Besides(0.0)).names == ["momentum", "angular momentum"]
+    paying = Conserved(simulation, Besides(10.0))
+    assert paying.names == Conserved(simulation).names == ["energy", "momentum", "angular momentum"]
+    assert 0.0 < paying.price < 0.05 * 10.0

@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from particlecli.accuracy.bound import Together
 from particlecli.accuracy.estimate import ErrorEstimate
+from particlecli.accuracy.prices import Besides
+from particlecli.accuracy.samples import COARSER, FINER, Sample
 from particlecli.accuracy.trial import Pace, Trial, trial_plan
 from particlecli.dynamics.rerun import Stretch, rerun
 from particlecli.render.camera import View
@@ -26,10 +29,10 @@ def view_of(described):
     return View.of(described.camera, *described.camera.resolution)
 
 
-def estimated(described, threads=1):
+def estimated(described, threads=1, besides=None):
     """The estimate of a run, and its record of all particles at all frames."""
     simulation = Simulation(described, threads=threads)
-    estimate = ErrorEstimate(simulation, lambda _: view_of(described))
+    estimate = ErrorEstimate(simulation, lambda _: view_of(described), besides)
     frames = []
     for frame in simulation:
         estimate.watch(frame)
@@ -169,13 +172,16 @@ def test_a_rerun_of_all_that_act_on_each_other_leaves_no_trace():
     np.testing.assert_array_equal(again.velocities, frames[-1].groups["stars"].velocities)
 
 
-def test_chaos_is_called_chaos():
+def test_chaos_is_called_chaos(monkeypatch):
     waves = [{"type": "abc", "amplitudes": [1.7, 1.4, 1]}]
     dust = {"dust": {"motion": "first_order", "flow": "waves", "layout": GRID}}
     carried = {"fps": 1, "flows": {"waves": waves}, "particles": dust, "integrator": {"type": "midpoint", "dt": 0.25}}
     for duration, trend in ((80, "chaotic"), (4, "converging")):
         errors, _, _ = estimated(scene(**{**carried, "duration": duration}))
         assert errors["dust"].trend == trend
+    monkeypatch.setattr(Sample, "comparisons", lambda _: [COARSER])
+    errors, _, _ = estimated(scene(**{**carried, "duration": 80}))
+    assert errors["dust"].trend == "unsettled"
 
 
 GRID = {"type": "grid", "spacing": 0.7, "counts": [4, 4, 4]}
@@ -232,17 +238,64 @@ def test_there_is_nothing_to_estimate_in_a_single_frame():
     assert estimated(scene(duration=0.01, particles={"stones": body((3, 0, 0), (1, 0, 0))}))[0] == {}
 
 
-def test_heavy_runs_of_few_particles_are_compared_with_longer_steps(monkeypatch):
-    from particlecli.accuracy import samples
+NOTHING_ELSE = Besides(0.0)
+"""Of a run that makes neither pictures nor records."""
 
-    monkeypatch.setattr(samples, "HEAVY", 100)
-    described = load_scene(PROBLEMS / "kepler.yaml", ["integrator={type: rk4, dt: 0.001}"])
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("kepler", "integrator={type: rk4, dt: 0.001}"),
+        *later(
+            ("figure_eight", "integrator={type: rk4, dt: 0.002}"),
+            ("figure_eight", "integrator={type: velocity_verlet, dt: 0.0011}"),
+        ),
+    ],
+)
+def test_what_little_pays_for_is_compared_with_longer_steps(name, change):
+    described = load_scene(PROBLEMS / f"{name}.yaml", [change])
+    tracks = truth(described)
+    errors, frames, _ = estimated(described, besides=NOTHING_ELSE)
+    (group, error), *_ = errors.items()
+    true = true_size(frames, tracks, group)
+    assert error.trend == "converging"
+    assert true / WITHIN < error.metres.p95 < WITHIN * true
+    finer, _, _ = estimated(described)
+    assert finer[group] != error
+
+
+@pytest.mark.parametrize(("name", "change"), later(*CALIBRATION, *MORE))
+def test_longer_steps_are_near_the_true_error_as_well(name, change, monkeypatch):
+    monkeypatch.setattr(Sample, "comparisons", lambda sample: [FINER if sample.group.plan.adaptive else COARSER])
+    monkeypatch.setattr(Together, "comparisons", lambda _: [COARSER])
+    described = load_scene(PROBLEMS / f"{name}.yaml", [change])
     tracks = truth(described)
     errors, frames, _ = estimated(described)
-    error = errors["planet"]
-    true = true_size(frames, tracks, "planet")
-    assert error.trend == "unchecked"
-    assert true / WITHIN < error.metres.p95 < WITHIN * true
+    for group, error in errors.items():
+        true = true_size(frames, tracks, group)
+        assert error.trend in ("converging", "irregular")
+        assert true / WITHIN < error.metres.p95 < WITHIN * true
+
+
+def test_what_cannot_be_paid_for_is_left_out_and_named():
+    described = load_scene(PROBLEMS / "kepler.yaml", ["integrator={type: rk4, dt: 0.0001}"])
+    simulation = Simulation(described, threads=1)
+    estimate = ErrorEstimate(simulation, lambda _: view_of(described), NOTHING_ELSE)
+    for frame in simulation:
+        estimate.watch(frame)
+    assert estimate.result() == {}
+    assert estimate.left_out == ("planet",)
+
+
+def test_an_adaptive_scheme_that_takes_more_than_foreseen_is_stopped():
+    described = load_scene(PROBLEMS / "spring_pendulum_1e6.yaml", [])
+    simulation = Simulation(described, threads=1)
+    estimate = ErrorEstimate(simulation, lambda _: view_of(described), Besides(2.5))
+    for frame in simulation:
+        estimate.watch(frame)
+    errors = estimate.result()
+    assert errors == {}
+    assert estimate.left_out == ("bob",)
 
 
 SHELLS = {

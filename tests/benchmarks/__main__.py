@@ -35,6 +35,7 @@ NAMES = (
     "lennard_jones",
     "sph",
     "cloth",
+    "estimate",
     "help",
     "scaling",
 )

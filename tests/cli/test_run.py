@@ -41,6 +41,21 @@ def test_no_output_writes_nothing(cli: Cli, scene: Path, tmp_path: Path) -> None
     assert list(tmp_path.iterdir()) == [scene]
 
 
+def test_estimates_are_left_out_when_asked(cli: Cli, scene: Path) -> None:
+    result = cli("run", "balls.yaml", "--no-output", "--no-estimate", "--json")
+    report = json.loads(result.stdout)
+    assert (report["estimated_error"], report["not_estimated"], report["conserved"]) == ({}, [], {})
+
+
+def test_a_long_run_without_output_tells_how_to_get_an_estimate(cli: Cli, scene: Path) -> None:
+    long = ("run", "balls.yaml", "--no-output", "--quiet", "--set", "integrator.dt=2e-7")
+    told = cli(*long).stdout
+    assert "error not estimated: balls: more than 5 % of this run; --estimate does it at any cost" in told
+    forced = cli(*long, "--estimate").stdout
+    assert "not estimated" not in forced
+    assert "error: estimated from a sample" in forced
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
