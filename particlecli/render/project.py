@@ -103,6 +103,24 @@ def above(height, radius):
 
 
 @ti.func
+def height_over(plane, planes: ti.template(), point):
+    """Height above a plane (normal, height of the camera above it) of a point relative to the camera, m."""
+    return planes[plane, 3] + dot([planes[plane, 0], planes[plane, 1], planes[plane, 2]], point)
+
+
+@ti.func
+def seen_over_planes(light, point, radius, planes: ti.template(), occluders):
+    """What is left of a particle's light where the first `occluders` planes hide what is behind them.
+
+    Its place is relative to the camera, and its radius in m.
+    """
+    left = light
+    for p in range(occluders):
+        left = left * above(height_over(p, planes, point), radius)
+    return left
+
+
+@ti.func
 def scale_at(depth, lens):
     """Pixels a metre at a depth."""
     return lens.focal / ti.max(lens.slope * depth + lens.level, lens.near)
@@ -125,6 +143,13 @@ def on_picture(point, lens):
     scale = scale_at(depth, lens)
     across, up = dot(point, lens.right) * scale, dot(point, lens.up) * scale
     return [lens.center_x + across, lens.center_y - up], scale, smooth(depth / lens.near - 1.0)
+
+
+@ti.func
+def touches_picture(place, wide, high, lens):
+    """Whether what reaches so many pixels to each side of its place, and up and down, touches the picture."""
+    across, down = ti.abs(place[0] - lens.center_x), ti.abs(place[1] - lens.center_y)
+    return (across < lens.center_x + wide) & (down < lens.center_y + high)
 
 
 @ti.func
@@ -191,9 +216,7 @@ def project(
             point = _offset(vector(positions, i), lens.origin)
             place, scale, light = on_picture(point, lens)
             radius = ti.min(paint.radius * scale + paint.pixels, lens.largest)
-            for p in range(occluders):
-                height = planes[p, 3] + dot([planes[p, 0], planes[p, 1], planes[p, 2]], point)
-                light = light * above(height, radius / scale)
+            light = seen_over_planes(light, point, radius / scale, planes, occluders)
             light = light * radiance(i, ages, lifetimes, paint, fading)
             if smeared:
                 seconds, share = exposed(i, ages, paint, aged)

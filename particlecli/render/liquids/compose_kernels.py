@@ -58,7 +58,6 @@ def compose(
             held[y * width + x] = color[y * width + x]
             opened[y * width + x] = vec3(sky[y, x], cover[y, x], depth[y * width + x])
     ti.loop_config(block_dim=1)
-    ti.loop_config(block_dim=1)
     for y in range(height):
         for x in range(width):
             node = y * width + x

@@ -21,7 +21,7 @@ from particlecli.render.liquids.records import (
     X,
     Y,
 )
-from particlecli.render.project import on_picture, radiance, table_place, vector
+from particlecli.render.project import height_over, on_picture, radiance, table_place, touches_picture, vector
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.solids.sorting import key_of
 from particlecli.render.tasks import CHUNK
@@ -98,8 +98,7 @@ def put_blobs(
             there = seen * radiance(i, ages, lifetimes, paint, fading)
             radius = ti.min(paint.radius * scale + paint.pixels, lens.largest) * ti.sqrt(there)
             for p in range(occluders):
-                height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
-                if height * scale < -radius:
+                if height_over(p, planes, point) * scale < -radius:
                     there = 0.0
             drawn = ti.max(radius, SMALLEST)
             size = reach * drawn
@@ -109,14 +108,9 @@ def put_blobs(
             grown = drawn / (drawn + EDGE)
             wide = size / grown * _reach(ratio, along[0])
             high = size / grown * _reach(ratio, along[1])
-            inside = (
-                (ti.abs(place[0] - lens.center_x) < lens.center_x + wide)
-                & (ti.abs(place[1] - lens.center_y) < lens.center_y + high)
-                & (there > FAINTEST)
-            )
             rows[i, EY] = -1.0
             keys[i] = ti.cast(key_of(depth, lens.near), ti.u16)
-            if inside:
+            if touches_picture(place, wide, high, lens) & (there > FAINTEST):
                 tint = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
                 _set_shape(i, rows, size, grown, ratio, along, scale)
                 values = (

@@ -132,6 +132,34 @@ def _measure_thickness(
         add_thickness(order[o], rows, top, squares, worker, thick)
 
 
+@ti.func
+def _draw_band(
+    first, end, order: ti.template(), others: ti.template(), rows: ti.template(), top, bottom, width, worker,
+    cells: ti.template(), farthest: ti.template(), visits: ti.template(), limits: ti.template(), thick: ti.template(),
+    level, lowest, opacity_depth, metal, table: ti.template(), lens, lit: ti.template(), shape: ti.template(),
+):  # fmt: skip
+    """Find and light the surface of the blobs of a band; arguments as of `draw_surface`."""
+    packs, squares = (width + PACK - 1) // PACK, (width + COARSE - 1) // COARSE + 2
+    size = (bottom - top) * packs
+    met = _enter_all(
+        first, end, order, others, rows, top, bottom, packs, worker, cells, farthest, visits, limits, level, lowest
+    )  # fmt: skip
+    if opacity_depth < OPAQUE:
+        _measure_thickness(first, end, order, rows, top, squares, worker, thick)
+    _find(
+        first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits, level
+    )  # fmt: skip
+    for cell in range(size):
+        if farthest[worker, cell] > -FAR:
+            y, x = top + cell // packs, cell % packs * PACK
+            for at in range(ti.min(PACK, width - x)):
+                if (cells[worker, cell, NEAR][at] < 0.5 * FAR) & (cells[worker, cell, F][at] > 0.0):
+                    light(
+                        x + at, y, top, squares, cell, at, worker, cells, thick, table, lens, level, opacity_depth,
+                        metal, y * width + x + at, lit, shape,
+                    )  # fmt: skip
+
+
 @ti.kernel
 def draw_surface(
     count: ti.i32, ranked: Ids, rows: Rows, counts: Integers, order: Integers, others: Integers, cells: ti.template(),
@@ -168,33 +196,16 @@ def draw_surface(
     counter[0] = 0 if counts[chunks * bands + bands] <= order.shape[0] else bands
     ti.loop_config(block_dim=1)
     for worker in range(WORKERS):
-        packs, lens = (width + PACK - 1) // PACK, lens_in(lens_row)
-        squares = (width + COARSE - 1) // COARSE + 2
+        lens = lens_in(lens_row)
         band = ti.atomic_add(counter[0], 1)
         while band < bands:
             top, bottom = band * ROWS, ti.min(band * ROWS + ROWS, height)
             first, end = counts[chunks * bands + band], counts[chunks * bands + band + 1]
             for node in range(top * width, bottom * width):
                 shape[node] = vec4(0.0, 0.0, 0.0, FAR)
-            size = (bottom - top) * packs
             if first < end:
-                met = _enter_all(
-                    first, end, order, others, rows, top, bottom, packs, worker, cells, farthest, visits, limits,
-                    level, lowest,
+                _draw_band(
+                    first, end, order, others, rows, top, bottom, width, worker, cells, farthest, visits, limits,
+                    thick, level, lowest, opacity_depth, metal, table, lens, lit, shape,
                 )  # fmt: skip
-                if opacity_depth < OPAQUE:
-                    _measure_thickness(first, end, order, rows, top, squares, worker, thick)
-                _find(
-                    first, met, others, rows, top, bottom, packs, size, worker, cells, farthest, visits, limits,
-                    level,
-                )  # fmt: skip
-                for cell in range(size):
-                    if farthest[worker, cell] > -FAR:
-                        y, x = top + cell // packs, cell % packs * PACK
-                        for at in range(ti.min(PACK, width - x)):
-                            if (cells[worker, cell, NEAR][at] < 0.5 * FAR) & (cells[worker, cell, F][at] > 0.0):
-                                light(
-                                    x + at, y, top, squares, cell, at, worker, cells, thick, table, lens, level,
-                                    opacity_depth, metal, y * width + x + at, lit, shape,
-                                )  # fmt: skip
             band = ti.atomic_add(counter[0], 1)

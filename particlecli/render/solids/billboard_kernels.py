@@ -5,7 +5,7 @@ import math
 import taichi as ti
 
 from particlecli.render.arrays import Ids, Row, Rows, vec3
-from particlecli.render.project import above, on_picture, radiance, table_place, vector
+from particlecli.render.project import on_picture, radiance, seen_over_planes, table_place, touches_picture, vector
 from particlecli.render.shot import lens_in, paint_in
 from particlecli.render.solids.draw_billboards import drawn_as
 from particlecli.render.solids.records import (
@@ -120,9 +120,7 @@ def put_billboards(
             depth = point.dot(lens.forward)
             place, scale, seen = on_picture(point, lens)
             sharp = ti.min(paint.radius * scale + paint.pixels, lens.largest)
-            for p in range(occluders):
-                height = planes[p, 3] + vec3(planes[p, 0], planes[p, 1], planes[p, 2]).dot(point)
-                seen = seen * above(height, sharp / scale)
+            seen = seen_over_planes(seen, point, sharp / scale, planes, occluders)
             whole = seen * radiance(i, ages, lifetimes, paint, fading)
             blur = ti.abs(lens.blur * (lens.focus - 1.0 / ti.max(depth, lens.near)))
             radius, alpha = drawn_as(sharp, blur, whole)
@@ -131,11 +129,7 @@ def put_billboards(
                 extent = spread * extent + ti.min(blur, radius)
             body = first + i
             heads[body, EXTENT] = 0.0
-            if (
-                (ti.abs(place[0] - lens.center_x) < lens.center_x + extent)
-                & (ti.abs(place[1] - lens.center_y) < lens.center_y + extent)
-                & (whole > FAINTEST)
-            ):
+            if touches_picture(place, extent, extent, lens) & (whole > FAINTEST):
                 at = ti.cast(table_place(i, velocities, quantity, ages, lifetimes, paint, source) + 0.5, ti.i32)
                 tint = vec3(colors[at, 0], colors[at, 1], colors[at, 2])
                 picture = _picture(i, ages, lifetimes, ids, pictures, rate, aged)

@@ -10,7 +10,7 @@ from particlecli.render.binning import begin, clear_counts
 from particlecli.render.solids.draw_billboards import draw_billboard
 from particlecli.render.solids.draw_strips import draw_piece, draw_triangle
 from particlecli.render.solids.records import DEPTH, EXTENT, HIDES, LIGHT, LOOK, ROW, X, Y
-from particlecli.render.solids.sorting import copy_heads, count_touched, sort_by_depth, tiles_across
+from particlecli.render.solids.sorting import sort_by_depth, take_to_tiles, tiles_across
 from particlecli.render.solids.tiles import (
     copy_tile,
     draw_speck,
@@ -102,13 +102,13 @@ def draw_bodies(
     ti.loop_config(block_dim=1)
     for chunk in range(chunks):
         clear_counts(chunk, tiles, counts)
-        count_touched(chunk, count, heads, counts, across, down)
+        take_to_tiles(chunk, count, heads, counts, sorted_heads, across, down, False)
     ti.loop_config(serialize=True)
     for _ in range(1):
         counter[0] = chunks if begin(chunks, tiles, counts) <= sorted_heads.shape[0] else 0
     ti.loop_config(block_dim=1)
     for chunk in range(counter[0]):
-        copy_heads(chunk, count, heads, counts, sorted_heads, across, down)
+        take_to_tiles(chunk, count, heads, counts, sorted_heads, across, down, True)
     counter[0] = 0 if counts[chunks * tiles + tiles] <= sorted_heads.shape[0] else tiles
     ti.loop_config(block_dim=1)
     for worker in range(WORKERS):

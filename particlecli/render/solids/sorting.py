@@ -40,25 +40,11 @@ def _touched(middle, extent, tiles):
 
 
 @ti.func
-def count_touched(chunk, count, heads: ti.template(), counts: ti.template(), across, down):
-    """Count a chunk's bodies by the tiles that they touch."""
-    start = chunk * across * down
-    for body in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
-        extent = heads[body, EXTENT]
-        if extent > 0.0:
-            left, right = _touched(heads[body, X], extent, across)
-            top, bottom = _touched(heads[body, Y], extent, down)
-            for y in range(top, bottom):
-                for x in range(left, right):
-                    tile = start + y * across + x
-                    counts[tile] = counts[tile] + 1
-
-
-@ti.func
-def copy_heads(
-    chunk, count, heads: ti.template(), counts: ti.template(), sorted_heads: ti.template(), across, down
+def take_to_tiles(
+    chunk, count, heads: ti.template(), counts: ti.template(), sorted_heads: ti.template(), across, down,
+    placing: ti.template(),
 ):  # fmt: skip
-    """Copy the heads of a chunk's bodies to where the counts say."""
+    """Count a chunk's bodies by the tiles that they touch, or copy their heads to where the counts say."""
     start = chunk * across * down
     for body in range(chunk * CHUNK, ti.min(count, chunk * CHUNK + CHUNK)):
         extent = heads[body, EXTENT]
@@ -70,8 +56,9 @@ def copy_heads(
                     tile = start + y * across + x
                     place = counts[tile]
                     counts[tile] = place + 1
-                    for k in ti.static(range(HEAD)):
-                        sorted_heads[place, k] = heads[body, k]
+                    if ti.static(placing):
+                        for k in ti.static(range(HEAD)):
+                            sorted_heads[place, k] = heads[body, k]
 
 
 @ti.func
