@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from particlecli.dynamics.integrators.base import (
-    AdaptiveRungeKutta,
-    AnyScheme,
-    ClosedForm,
-    ExplicitRungeKutta,
-    ImplicitRungeKutta,
-    Splitting,
-)
+from particlecli.dynamics.integrators.base import AnyScheme, ImplicitRungeKutta
 
 FRAME = 2.0
 """What a frame costs beside its steps: loading, storing, and the births of the next one."""
@@ -41,11 +34,9 @@ def cost(scheme: AnyScheme, steps: float) -> float:
         scheme: the scheme.
         steps: in a frame; of an adaptive scheme the tries, rejected ones included.
     """
-    match scheme:
-        case ExplicitRungeKutta() | Splitting():
-            each = scheme.evaluations + STEP
-        case AdaptiveRungeKutta() | ClosedForm():
-            each = LANE_BY_LANE * (scheme.evaluations + STEP)
-        case ImplicitRungeKutta():
-            each = LANE_BY_LANE * SOLVING * (scheme.evaluations + STEP)
+    each = scheme.evaluations + STEP
+    if scheme.lane_by_lane:
+        each *= LANE_BY_LANE
+    if isinstance(scheme, ImplicitRungeKutta):
+        each *= SOLVING
     return FRAME + steps * each

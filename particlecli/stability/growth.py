@@ -10,21 +10,11 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import assert_never
 
 import numpy as np
 
-from particlecli.dynamics.integrators.base import (
-    AdaptiveRungeKutta,
-    AnyScheme,
-    ClosedForm,
-    ExplicitRungeKutta,
-    ImplicitRungeKutta,
-    Splitting,
-)
+from particlecli.dynamics.integrators.base import AnyScheme, ClosedForm, RungeKutta, Splitting
 from particlecli.stability.modes import Complexes, Doubles, Modes
-
-RungeKutta = ExplicitRungeKutta | AdaptiveRungeKutta | ImplicitRungeKutta
 
 TOLERANCE = 1e-12
 """Growth in a step that is taken for rounding."""
@@ -47,16 +37,14 @@ def growth(scheme: AnyScheme, modes: Modes, step: Doubles | float) -> Doubles:
         step: h, s; broadcast against them.
     """
     match scheme:
-        case ExplicitRungeKutta() | AdaptiveRungeKutta() | ImplicitRungeKutta():
-            factors: Doubles = np.abs(stability_function(scheme, step * modes.rates))
-            return factors
         case Splitting():
             return _spectral_radius(scheme, modes, step)
         case ClosedForm():
             with np.errstate(over="ignore"):
                 return np.exp(step * modes.rates.real)
         case _:
-            assert_never(scheme)
+            factors: Doubles = np.abs(stability_function(scheme, step * modes.rates))
+            return factors
 
 
 def excess(scheme: AnyScheme, modes: Modes, step: Doubles | float) -> Doubles:

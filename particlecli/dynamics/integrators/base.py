@@ -30,6 +30,7 @@ class ExplicitRungeKutta:
     symplectic = False
     reversible = False
     l_stable = False
+    lane_by_lane = False
 
     @property
     def evaluations(self) -> int:
@@ -51,6 +52,7 @@ class Splitting:
 
     symplectic = True
     l_stable = False
+    lane_by_lane = False
 
     @property
     def reversible(self) -> bool:
@@ -95,6 +97,7 @@ class AdaptiveRungeKutta:
     symplectic = False
     reversible = False
     l_stable = False
+    lane_by_lane = True
 
     @property
     def evaluations(self) -> int:
@@ -121,6 +124,8 @@ class ImplicitRungeKutta:
     b: tuple[float, ...]
     c: tuple[float, ...]
     l_stable: bool
+
+    lane_by_lane = True
 
     @property
     def diagonally_implicit(self) -> bool:
@@ -162,6 +167,11 @@ class ClosedForm:
     symplectic = True
     reversible = True
     l_stable = True
+    lane_by_lane = True
 
 
-AnyScheme = ExplicitRungeKutta | Splitting | AdaptiveRungeKutta | ImplicitRungeKutta | ClosedForm
+RungeKutta = ExplicitRungeKutta | AdaptiveRungeKutta | ImplicitRungeKutta
+
+AnyScheme = RungeKutta | Splitting | ClosedForm
+"""A scheme. Each declares its order and its evaluations of forces in a step; whether it is symplectic, reversible and
+L-stable; and whether particles go lane by lane, each in its own way, not in packs."""
