@@ -9,7 +9,7 @@ import taichi as ti
 
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
 from particlecli.dynamics.coupled.points import Points
-from particlecli.dynamics.group_plan import LANES
+from particlecli.dynamics.coupled.slopes import Slopes
 from particlecli.dynamics.integrators.base import (
     AdaptiveRungeKutta,
     AnyScheme,
@@ -20,7 +20,7 @@ from particlecli.dynamics.integrators.base import (
 
 
 @ti.data_oriented
-class RungeKuttaStages:
+class RungeKuttaStages(Slopes):
     """Explicit Runge–Kutta stages, from the accelerations alone.
 
     As dx/dt = v, x_i = x + c_i h v + h² Σ (a²)_ij k_j and v_i = v + h Σ a_ij k_j with the accelerations k_j: the same
@@ -29,13 +29,12 @@ class RungeKuttaStages:
     Attributes:
         times: of the evaluations, in steps.
         repeats: whether the last evaluation serves as the first of the next step.
-        base: field of packs, shape (6, packs): the state at the beginning of the step.
     """
 
     repeats = False
 
     def __init__(self, scheme: ExplicitRungeKutta | AdaptiveRungeKutta, points: Points) -> None:
-        self.points = points
+        super().__init__(points, len(scheme.b))
         self.times = list(scheme.c)
         self.stages = len(scheme.b)
         weights = [*scheme.a, scheme.b]
@@ -48,21 +47,6 @@ class RungeKuttaStages:
         shares = [*scheme.c, 1.0, 0.0, 0.0][: len(a)]
         table = np.column_stack([shares, a @ a[: self.stages], a])
         self.table = points.memory.table(points.real, table)
-        pack = ti.types.vector(LANES, points.real)
-        self.base = ti.field(pack, shape=(6, points.capacity))
-        self.slopes = ti.field(pack, shape=(3 * self.stages, points.capacity))
-
-    @ti.func
-    def begin(self, b):
-        """Remember where a step begins."""
-        for c in ti.static(range(6)):
-            self.base[c, b] = self.points.state[c, b]
-
-    @ti.func
-    def keep(self, i, b, a):
-        """Keep the accelerations, three packs, of evaluation i."""
-        for c in ti.static(range(3)):
-            self.slopes[3 * i + c, b] = a[c]
 
     @ti.func
     def follow(self, i, b, h):
@@ -110,11 +94,11 @@ class RungeKuttaStages:
 
 
 @ti.data_oriented
-class SplittingStages:
+class SplittingStages(Slopes):
     """Kicks, each with the drift after it. Attributes as of `RungeKuttaStages`."""
 
     def __init__(self, scheme: Splitting, points: Points) -> None:
-        self.points = points
+        super().__init__(points, 1)
         kicks = [i for i, (kind, _) in enumerate(scheme.moves) if kind == "kick"]
         drifts = [
             sum(share for _, share in scheme.moves[i + 1 : j]) for i, j in zip(kicks, [*kicks[1:], None], strict=True)
@@ -126,19 +110,10 @@ class SplittingStages:
         self.repeats = self.stages > 1 and drifts[-1] == 0.0
         shares = np.array([[scheme.moves[i][1] for i in kicks], drifts])
         self.shares = points.memory.table(points.real, shares)
-        pack = ti.types.vector(LANES, points.real)
-        self.base = ti.field(pack, shape=(6, points.capacity))
-        self.slopes = ti.field(pack, shape=(3, points.capacity))
-
-    @ti.func
-    def begin(self, b):
-        """Remember where a step begins."""
-        for c in ti.static(range(6)):
-            self.base[c, b] = self.points.state[c, b]
 
     @ti.func
     def keep(self, i, b, a):
-        """Keep the accelerations, three packs."""
+        """Keep the accelerations, three packs, until the next ones."""
         for c in ti.static(range(3)):
             self.slopes[c, b] = a[c]
 
