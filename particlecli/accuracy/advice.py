@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from particlecli.accuracy.linear_analysis import Analysis, GroupAnalysis
+from particlecli.accuracy.analysis import Analysis, GroupAnalysis
 from particlecli.scene.integrator import Scheme
 from particlecli.stability.modes import Doubles, Kind
 

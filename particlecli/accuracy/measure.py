@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.dynamics.births import born
 from particlecli.dynamics.group_plan import GroupPlan
 from particlecli.dynamics.masses import masses
 from particlecli.scene.expression import Expression
@@ -59,7 +58,7 @@ class Sample:
             names |= dict(zip("uvw", self.velocities.T, strict=True))
             names["speed"] = np.linalg.norm(self.velocities, axis=1)
         if "distance" in expression.names:
-            start = born(self.plan.births, self.ids).positions.T
+            start = self.plan.births.of(self.ids).positions.T
             names["distance"] = np.linalg.norm(self.positions - start, axis=1)
         if expression.names & NAMES_OF_FLUID:
             names |= self._fluid()

@@ -10,7 +10,7 @@ import numpy as np
 
 from particlecli.accuracy import prices
 from particlecli.accuracy.tracks import Doubles, Ids
-from particlecli.dynamics.births import BirthTable
+from particlecli.dynamics.birth_table import BirthTable
 from particlecli.dynamics.group_plan import LANES, GroupPlan
 from particlecli.dynamics.sampling import spread
 

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from particlecli.accuracy.linear_analysis import Analysis, Limit
-from particlecli.accuracy.work_precision_plot import GREY, INK, PALE, STYLE
+from particlecli.accuracy.analysis import Analysis, Limit
+from particlecli.accuracy.plot_style import GREY, INK, PALE, STYLE
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import Splitting
 from particlecli.errors import OutputError

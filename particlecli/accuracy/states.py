@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.dynamics.births import BirthTable
+from particlecli.dynamics.birth_table import BirthTable
 from particlecli.dynamics.group_plan import Constant, GroupPlan
 from particlecli.dynamics.sampling import spread
 

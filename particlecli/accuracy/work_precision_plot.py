@@ -15,43 +15,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from particlecli.accuracy.curves import Key, WorkPrecision, curves
 from particlecli.accuracy.plot_notes import Notes
+from particlecli.accuracy.plot_style import GREY, PALE, STYLE, colour_of
 from particlecli.accuracy.runs import Run
-
-INK, GREY, PALE = "#1b1f24", "#6e7781", "#d0d7de"
-
-COLOURS = {
-    "euler": "#9bc4e2",
-    "midpoint": "#5ba3d0",
-    "rk3": "#2a7ab9",
-    "rk4": "#084488",
-    "symplectic_euler": "#a1d99b",
-    "velocity_verlet": "#41ab5d",
-    "yoshida4": "#1b7837",
-    "composition8": "#00441b",
-    "dormand_prince": "#e08214",
-    "dop853": "#b35806",
-    "implicit_euler": "#d4b9da",
-    "implicit_midpoint": "#c994c7",
-    "trapezoidal": "#ce1256",
-    "tr_bdf2": "#980043",
-    "radau_iia": "#67001f",
-    "exact": "#cb181d",
-}
-"""Families in related colours: Runge–Kutta blue, splittings green, adaptive orange, implicit purple."""
-
-PEER_COLOURS = {"SciPy DOP853": "#1b1f24", "SciPy LSODA": "#8c959f"}
-
-STYLE = {
-    "font.family": "sans-serif",
-    "font.size": 9,
-    "axes.edgecolor": GREY,
-    "axes.labelcolor": INK,
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "text.color": INK,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "particlecli",
-}
 
 LEFT, RIGHT, NAMES = 0.085, 0.755, 0.787
 """Sides of the axes, and where the names of the curves begin, in parts of the figure's width."""
@@ -145,7 +110,7 @@ def _mark_front(axes: Axes, study: WorkPrecision) -> None:
 
 
 def _draw_curve(axes: Axes, key: Key, curve: Sequence[Run], *, bold: bool) -> None:
-    colour, peer = _colour(key.integrator), curve[0].peer
+    colour, peer = colour_of(key.integrator), curve[0].peer
     axes.plot(
         [run.seconds for run in curve],
         [_drawn(axes, run) for run in curve],
@@ -190,7 +155,7 @@ def _name_curves(axes: Axes, study: WorkPrecision, shown: Mapping[Key, list[Run]
     to_axes = axes.transData + axes.transAxes.inverted()
     heights = {key: float(to_axes.transform((run.seconds, _drawn(axes, run)))[1]) for key, run in ends.items()}
     for key, height in _spaced(heights, gap=0.052).items():
-        run, colour = ends[key], _colour(key.integrator)
+        run, colour = ends[key], colour_of(key.integrator)
         axes.annotate(
             _name(study, key),
             xy=(run.seconds, _drawn(axes, run)),
@@ -258,10 +223,6 @@ def _title(figure: Figure, study: WorkPrecision, shown: Mapping[Key, list[Run]])
         handlelength=1.6,
         columnspacing=1.4,
     )
-
-
-def _colour(integrator: str) -> str:
-    return PEER_COLOURS.get(integrator) or COLOURS.get(integrator, INK)
 
 
 def _metres(length: float) -> str:

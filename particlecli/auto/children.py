@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from particlecli.auto.pilot import SAMPLE, Pilot
-from particlecli.dynamics.births import BirthTable, EmitterBirths
+from particlecli.dynamics.birth_table import BirthTable
+from particlecli.dynamics.births import EmitterBirths
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.kin import Brood, Parents
 from particlecli.scene.integrator import UNCHOSEN

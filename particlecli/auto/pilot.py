@@ -17,7 +17,7 @@ from particlecli.dynamics.sampling import spread
 from particlecli.scene.planes import Coulomb, Plane
 
 if TYPE_CHECKING:
-    from particlecli.dynamics.births import BirthTable
+    from particlecli.dynamics.birth_table import BirthTable
     from particlecli.dynamics.flights import Course, Flights
 
 Ids = NDArray[np.int64]

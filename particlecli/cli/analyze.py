@@ -16,7 +16,7 @@ from particlecli.cli.scenes import load
 from particlecli.errors import UsageError
 
 if TYPE_CHECKING:
-    from particlecli.accuracy.linear_analysis import Analysis, GroupAnalysis, Limit
+    from particlecli.accuracy.analysis import Analysis, GroupAnalysis, Limit
 
 _WIDTH = 100
 _KINDS = {"oscillation": "period", "decay": "1/e in", "growth": "× e in"}

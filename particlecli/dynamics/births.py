@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-
 import numpy as np
 from numpy.typing import NDArray
 
+from particlecli.dynamics.birth_table import BirthTable, cooling_rates, differing, placed, present
 from particlecli.dynamics.birth_times import BirthTimes
 from particlecli.dynamics.kin import Brood, Parents
 from particlecli.dynamics.layouts import arrangement, layout_count, layout_positions
@@ -17,47 +16,12 @@ from particlecli.errors import Problem, SceneError
 from particlecli.scene.distributions import Distribution, support
 from particlecli.scene.expression import Expression
 from particlecli.scene.frames import Chain, chain
-from particlecli.scene.groups import Emitter, Group
+from particlecli.scene.groups import Emitter
 from particlecli.scene.model import Scene
 from particlecli.scene.poses import Poses
 
 AHEAD = 4096
 """Births that are drawn at once where fewer are asked for."""
-
-
-@dataclass(frozen=True)
-class BirthTable:
-    """Newborn particles of one group in order of birth.
-
-    What is None is either no part of the group or the same for all its particles and told by the scene.
-
-    Attributes:
-        ids: shape (n,), birth indices.
-        times: shape (n,), s.
-        positions: shape (3, n), m.
-        velocities: shape (3, n), m/s; None in a first-order group.
-        masses: shape (n,), kg; None where all are equal.
-        lifetimes: shape (n,), s; None where particles live on.
-        temperatures: shape (n,), K; None where the group has no temperature.
-        cooling_rates: shape (n,), 1/s; None where all are equal or nothing cools at a rate.
-    """
-
-    ids: NDArray[np.int64]
-    times: Array
-    positions: Array
-    velocities: Array | None = None
-    masses: Array | None = None
-    lifetimes: Array | None = None
-    temperatures: Array | None = None
-    cooling_rates: Array | None = None
-
-    def __len__(self) -> int:
-        return len(self.ids)
-
-    def rows(self, places: NDArray[np.int64]) -> BirthTable:
-        """The rows at these places, in their order."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        return replace(self, **{name: column[..., places] for name, column in columns.items() if column is not None})
 
 
 class EmitterBirths:
@@ -112,7 +76,7 @@ class EmitterBirths:
         times = self._times.of(ids)
         positions, velocities = points(emitter.shape, draws), self._velocities(draws)
         if self._ride:
-            positions, velocities = _placed(Poses.of(self._ride, times), emitter, positions, velocities)
+            positions, velocities = placed(Poses.of(self._ride, times), emitter, positions, velocities)
         return self._table(ids, draws, times, positions, velocities)
 
     def _table(
@@ -124,10 +88,10 @@ class EmitterBirths:
             times=times,
             positions=positions,
             velocities=velocities,
-            masses=_differing(emitter.mass, draws, Draw.MASS),
-            lifetimes=_present(emitter.lifetime, draws, Draw.LIFETIME),
-            temperatures=_present(emitter.temperature, draws, Draw.TEMPERATURE),
-            cooling_rates=_cooling_rates(emitter, draws),
+            masses=differing(emitter.mass, draws, Draw.MASS),
+            lifetimes=present(emitter.lifetime, draws, Draw.LIFETIME),
+            temperatures=present(emitter.temperature, draws, Draw.TEMPERATURE),
+            cooling_rates=cooling_rates(emitter, draws),
         )
 
     def of_parents(self, brood: Brood, parents: Parents) -> BirthTable:
@@ -200,20 +164,20 @@ class ParticleBirths:
             given = self._source.part(places)
         else:
             given = ParticleList(positions=layout_positions(self._source, draws))
-        masses = _differing(group.mass, draws, Draw.MASS)
-        temperatures = _present(group.temperature, draws, Draw.TEMPERATURE)
+        masses = differing(group.mass, draws, Draw.MASS)
+        temperatures = present(group.temperature, draws, Draw.TEMPERATURE)
         positions, velocities = given.positions, self._velocities(given, draws)
         if self._ride and group.motion != "fixed":
-            positions, velocities = _placed(Poses.of(self._ride, np.zeros(1)), group, positions, velocities)
+            positions, velocities = placed(Poses.of(self._ride, np.zeros(1)), group, positions, velocities)
         return BirthTable(
             ids=ids,
             times=np.zeros(len(ids)),
             positions=positions,
             velocities=velocities,
             masses=masses if given.masses is None else given.masses,
-            lifetimes=_present(group.lifetime, draws, Draw.LIFETIME),
+            lifetimes=present(group.lifetime, draws, Draw.LIFETIME),
             temperatures=temperatures if given.temperatures is None else given.temperatures,
-            cooling_rates=_cooling_rates(group, draws),
+            cooling_rates=cooling_rates(group, draws),
         )
 
     def _velocities(self, given: ParticleList, draws: Draws) -> Array | None:
@@ -267,33 +231,9 @@ class SampledBirths:
 Births = EmitterBirths | ParticleBirths | SampledBirths
 
 
-def born(births: Births, ids: NDArray[np.int64]) -> BirthTable:
-    """What particles of given numbers were born with, in the order of the numbers."""
-    return births.of(ids)
-
-
-def _placed(poses: Poses, group: Group, positions: Array, velocities: Array | None) -> tuple[Array, Array | None]:
-    """Positions and velocities in the world of what is given in a frame; both of shape (3, n)."""
-    if velocities is not None:
-        velocities = poses.directions(velocities) + group.inherit_velocity * poses.velocities(positions)
-    return poses.points(positions), velocities
-
-
 def _component(value: float | Distribution | Expression, positions: Array, draws: Draws, draw: Draw) -> Array:
     if isinstance(value, Expression):
         with np.errstate(all="ignore"):
             values = value.evaluate(dict(zip("xyz", positions, strict=True)))
         return np.broadcast_to(values, len(draws)).astype(np.float64)
     return sample(value, draws, draw)
-
-
-def _present(value: float | Distribution | None, draws: Draws, draw: Draw) -> Array | None:
-    return None if value is None else sample(value, draws, draw)
-
-
-def _differing(value: float | Distribution | None, draws: Draws, draw: Draw) -> Array | None:
-    return sample(value, draws, draw) if isinstance(value, Distribution) else None
-
-
-def _cooling_rates(group: Group, draws: Draws) -> Array | None:
-    return None if group.cooling is None else _differing(group.cooling.rate, draws, Draw.COOLING_RATE)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.dynamics.births import BirthTable
+from particlecli.dynamics.birth_table import BirthTable
 
 
 def columns_of(table: BirthTable, time: float) -> dict[str, NDArray[Any]]:

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.dynamics.births import Births, BirthTable, EmitterBirths
+from particlecli.dynamics.birth_table import BirthTable
+from particlecli.dynamics.births import Births, EmitterBirths
 from particlecli.dynamics.deaths import Fate
 from particlecli.dynamics.group import Group
 from particlecli.dynamics.kin import Brood, Parents

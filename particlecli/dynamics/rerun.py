@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from particlecli.dynamics.births import BirthTable, SampledBirths
+from particlecli.dynamics.birth_table import BirthTable
+from particlecli.dynamics.births import SampledBirths
 from particlecli.dynamics.group_plan import LANES, GroupPlan
 from particlecli.dynamics.newborn import columns_of
 

@@ -9,7 +9,8 @@ import taichi as ti
 from numpy.typing import NDArray
 
 from particlecli import runtime
-from particlecli.dynamics.births import BirthTable, ParticleBirths
+from particlecli.dynamics.birth_table import BirthTable
+from particlecli.dynamics.births import ParticleBirths
 from particlecli.dynamics.fixed import FixedGroup
 from particlecli.dynamics.flows import flow_terms
 from particlecli.dynamics.forces import force_term

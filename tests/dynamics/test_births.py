@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
-from particlecli.dynamics.births import BirthTable, EmitterBirths, ParticleBirths
+from particlecli.dynamics.birth_table import BirthTable
+from particlecli.dynamics.births import EmitterBirths, ParticleBirths
 from particlecli.errors import SceneError
 from particlecli.scene.distributions import Normal, Uniform
 from particlecli.scene.groups import Emitter

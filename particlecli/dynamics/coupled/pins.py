@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import taichi as ti
 
-from particlecli.dynamics.births import BirthTable
+from particlecli.dynamics.birth_table import BirthTable
 from particlecli.dynamics.coupled.courses import Course
 from particlecli.dynamics.coupled.links import places
 from particlecli.dynamics.coupled.points import Points
