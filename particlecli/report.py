@@ -12,7 +12,7 @@ from particlecli import __version__
 
 if TYPE_CHECKING:
     from particlecli.accuracy.estimate import GroupError
-    from particlecli.auto.choice import Choice
+    from particlecli.auto.outcome import Choice
     from particlecli.scene.integrator import ContactScheme
 
 _LIBRARIES = ("taichi", "numpy")

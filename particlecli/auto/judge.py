@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from particlecli.auto.growth import growth, growth_rate
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.steps import Doubles
 from particlecli.auto.terms import Terms
@@ -22,6 +24,9 @@ Mask = NDArray[np.bool_]
 FIRST, COARSEST = 1e-3, 1e-4
 """The tolerance of the first reference, in parts of the error asked for, m, and the largest."""
 
+LOOSEST = 1e-2
+"""The largest tolerance of adaptive schemes that is tried; the smallest is that of the judge."""
+
 FINER = 1e-2
 """Of a tolerance: the next one."""
 
@@ -29,21 +34,33 @@ AGREED, KNOWN = 0.1, 0.25
 """Parts of the error asked for: references so near each other need not be refined, and where the best two are further
 apart than so much nothing can be told of a particle from then on."""
 
-LOST = 0.5
-"""Share of the particles that live on after a pilot's flight of which nothing is known where it ends: chaos then
-takes the rest of their way, which no longer counts."""
-
 LEAST = 0.02
 """Share of a pilot's flight that must be known if anything is to be told."""
 
-SECOND = 2.0
-"""Evaluations of the second reference where no smaller tolerance makes one, in parts of the first."""
+SECOND, CHAOTIC = 2.0, 1.5
+"""Evaluations of the second reference where no smaller tolerance makes one, in parts of the first. Where the motion is
+chaotic two with equal steps are the references: with as many evaluations as the first, and so many times more."""
 
 FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
 
 WINDOWS, ENOUGH = 8, 10
 """Spans that the scene is cut into, of which the worst counts, and errors in one that tell something."""
+
+
+@dataclass(frozen=True)
+class _Reference:
+    """What the flights of a pilot are compared with.
+
+    Attributes:
+        positions: at each frame, shape (frames, n, 3), m; not a number where nothing is known.
+        growth: by how much errors grow after the flight.
+        chaotic: whether exponentially, so that the last of them counts.
+    """
+
+    positions: Doubles
+    growth: float
+    chaotic: bool
 
 
 class Judge:
@@ -68,34 +85,46 @@ class Judge:
         self._blind = False
         self._references = []
         for pilot in pilots:
-            positions, unsure = self._best(pilot)
+            positions, apart, rate = self._best(pilot)
             flown = int((~np.isnan(positions[:, :, 0])).sum())
-            positions[np.maximum.accumulate(unsure, axis=0)] = np.nan
+            unsure = np.maximum.accumulate(self._far_apart(apart), axis=0)
+            positions[unsure], apart[unsure] = np.nan, np.nan
             sure = int((~np.isnan(positions[:, :, 0])).sum())
             self._blind |= sure < LEAST * flown
             alive, known = alive + flown, known + sure
-            self._references.append(positions)
+            self._references.append(_Reference(positions, self._growth(pilot, positions, apart, rate), rate > 0.0))
         self.unknown = 1.0 - known / alive if alive else 0.0
 
     def error(self, flights: Sequence[Flight]) -> float:
         """Of 95 in 100 particles of the group that is furthest off, at the worst time, in the unit asked for."""
         errors = [np.inf] if self._blind else []
         for pilot, reference, flight in zip(self._pilots, self._references, flights, strict=True):
-            lengths = _apart(flight.positions, reference)
-            lengths = np.where(np.isnan(lengths) & ~np.isnan(reference[:, :, 0]), np.inf, lengths)
-            errors.append(_worst(pilot, self._in_unit(reference, lengths)) * _growth(pilot, reference))
+            known = reference.positions
+            lengths = _apart(flight.positions, known)
+            lengths = np.where(np.isnan(lengths) & ~np.isnan(known[:, :, 0]), np.inf, lengths)
+            sizes = self._in_unit(known, lengths)
+            worst = _worst(pilot, sizes)
+            errors.append((max(worst, _sizes(sizes)[-1]) if reference.chaotic else worst) * reference.growth)
         return max(errors)
 
-    def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Mask]:
-        """Positions, and where another flight is too far from them: with a larger tolerance, or with equal steps."""
+    def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Doubles, float]:
+        """Positions, how far another flight is from them, and the rate of exponential growth of errors, per frame.
+
+        The other flight has a larger tolerance, or equal steps. In single precision chaos magnifies the rounding of
+        adaptive steps too much, and both have equal steps.
+        """
         judge, precision = SCHEMES[self._terms.judge], self._scene.precision
         tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
         first = pilot.fly(judge, tolerance=tolerance)
         self.evaluations = max(self.evaluations, first.evaluations)
+        rate = self._rate(pilot, first.positions)
         if self._terms.deepest[precision] >= tolerance:
-            steps = math.ceil(SECOND * first.evaluations / SCHEMES[UNCHOSEN].evaluations)
-            other = pilot.fly(SCHEMES[UNCHOSEN], steps=steps).positions
-            return first.positions, self._far_apart(self._in_unit(first.positions, _apart(other, first.positions)))
+            even, steps = SCHEMES[UNCHOSEN], first.evaluations / SCHEMES[UNCHOSEN].evaluations
+            times = CHAOTIC if rate else SECOND
+            best, other = first.positions, pilot.fly(even, steps=math.ceil(times * steps)).positions
+            if rate:
+                best, other = other, pilot.fly(even, steps=math.ceil(steps)).positions
+            return best.copy(), self._in_unit(best, _apart(other, best)), rate
         before = first.positions
         for _ in range(self._terms.refinements):
             tolerance = max(FINER * tolerance, self._terms.deepest[precision])
@@ -104,7 +133,25 @@ class Judge:
             if _worst(pilot, apart) <= AGREED * self._goal.size or tolerance == self._terms.deepest[precision]:
                 break
             before = best
-        return best, self._far_apart(apart)
+        return best.copy(), apart, rate
+
+    def _rate(self, pilot: Pilot | WholePilot, reference: Doubles) -> float:
+        """Of the exponential growth of errors, per frame, where a pilot flies for a few frames only; else 0."""
+        if isinstance(pilot, Pilot) or pilot.flown == pilot.frames.max():
+            return 0.0
+        rough = pilot.fly(SCHEMES[self._terms.judge], tolerance=LOOSEST).positions
+        return growth_rate(_sizes(self._in_unit(reference, _apart(rough, reference))))
+
+    def _growth(self, pilot: Pilot | WholePilot, reference: Doubles, apart: Doubles, rate: float) -> float:
+        """By how much errors grow after what was flown."""
+        last = pilot.frames >= pilot.flown
+        return growth(
+            pilot.flown,
+            int(pilot.frames.max()),
+            lost=float(np.isnan(reference[-1, last, 0]).mean()),
+            rate=rate,
+            bound=KNOWN * self._goal.size / max(_sizes(apart)[-1], 1e-300),
+        )
 
     def _far_apart(self, apart: Doubles) -> Mask:
         return np.asarray(~(apart <= KNOWN * self._goal.size) & ~np.isnan(apart))
@@ -136,15 +183,10 @@ def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
     return max(known) if known else _size(errors[lives], 1, few=few) or 0.0
 
 
-def _growth(pilot: Pilot | WholePilot, reference: Doubles) -> float:
-    """By how much errors grow, at a guess, after what was flown: as time does, unless the motion is chaotic by then.
-
-    The reference, of shape (frames, n, 3), is not a number where nothing is known of a particle.
-    """
-    last = pilot.frames >= pilot.flown
-    if np.isnan(reference[-1, last, 0]).mean() > LOST:
-        return 1.0
-    return max(1.0, float(pilot.frames.max()) / pilot.flown)
+def _sizes(errors: Doubles) -> Doubles:
+    """What 95 in 100 do not exceed at each frame, of errors of shape (frames, n); 0 where there are none."""
+    few = errors.shape[1] < FEW
+    return np.array([_size(each[~np.isnan(each)], 1, few=few) or 0.0 for each in errors])
 
 
 def _size(values: Doubles, enough: int = ENOUGH, *, few: bool) -> float | None:

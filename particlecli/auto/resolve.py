@@ -8,8 +8,9 @@ from dataclasses import replace
 
 from particlecli import runtime
 from particlecli.auto.children import children, first_brood
-from particlecli.auto.choice import Choice, Tried, choose, integrator_of
+from particlecli.auto.choice import choose
 from particlecli.auto.judge import metres
+from particlecli.auto.outcome import Choice, Tried, integrator_of
 from particlecli.auto.pilot import SAMPLE, Pilot
 from particlecli.auto.safe import SafeSteps
 from particlecli.auto.terms import ALONE, TOGETHER

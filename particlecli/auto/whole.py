@@ -14,7 +14,7 @@ from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme
 from particlecli.dynamics.plan import Coupling, Plan, make_plan
 from particlecli.errors import SimulationError
 from particlecli.scene.forces import Attraction, Springs
-from particlecli.scene.integrator import Integrator
+from particlecli.scene.integrator import Integrator, Scheme
 
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
@@ -56,6 +56,11 @@ def worth_flying(plan: Plan) -> bool:
     return looks(plan) * CALLS * FEWEST * (HARD if hard else 1) <= WORK
 
 
+def name_of(scheme: AnyScheme) -> Scheme:
+    """The name by which a scene asks for a scheme."""
+    return next(name for name, each in SCHEMES.items() if each is scheme)
+
+
 class WholePilot:
     """The groups of a scene whose particles act on each other, flown from t = 0 for some frames.
 
@@ -80,16 +85,23 @@ class WholePilot:
         count = sum(self._totals.values())
         self.first_frames = np.zeros(count)
         self.frames = np.full(count, plan.scene.frame_count - 1)
-        self._systems: dict[str, System] = {}
+        self._systems: dict[Scheme, System] = {}
+        self._flights: dict[tuple[Scheme, int, float | None], Flight] = {}
 
     def fly(self, scheme: AnyScheme, *, steps: int = 1, tolerance: float | None = None) -> Flight:
-        """Fly with so many equal steps in a frame, or with an error tolerated in a step.
+        """Fly with so many equal steps in a frame, or with an error tolerated in a step; the same flight only once.
 
         A flight that fails has no positions from then on; the first one must not fail.
 
         Raises:
             SimulationError: it did.
         """
+        key = (name_of(scheme), steps, tolerance)
+        if key not in self._flights:
+            self._flights[key] = self._fly(scheme, steps, tolerance)
+        return self._flights[key]
+
+    def _fly(self, scheme: AnyScheme, steps: int, tolerance: float | None) -> Flight:
         system = self._system(scheme)
         system.plan = replace(system.plan, steps_per_frame=steps)
         assert system.coupled
@@ -120,7 +132,7 @@ class WholePilot:
     def _system(self, scheme: AnyScheme) -> System:
         from particlecli.dynamics.system import System
 
-        name = next(name for name, each in SCHEMES.items() if each is scheme)
+        name = name_of(scheme)
         if name not in self._systems:
             adaptive = isinstance(scheme, AdaptiveRungeKutta)
             integrator = Integrator(

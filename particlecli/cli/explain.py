@@ -14,7 +14,7 @@ from particlecli.cli.options import AsJson, Overrides, SceneFile
 from particlecli.cli.scenes import load
 
 if TYPE_CHECKING:
-    from particlecli.auto.choice import Choice
+    from particlecli.auto.outcome import Choice
     from particlecli.dynamics.group_plan import GroupPlan
     from particlecli.dynamics.plan import Plan
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from particlecli.auto.choice import choose
-from particlecli.auto.judge import LOST, _growth
 from particlecli.auto.safe import MARGIN, SafeSteps
 from particlecli.auto.terms import TOGETHER
 from particlecli.dynamics.integrators import SCHEMES
@@ -76,17 +75,3 @@ def test_spheres_that_do_not_touch_yet_are_stepped_as_if_they_were_packed():
     )
     limit = 2 * math.sqrt(2) / math.sqrt(PACKED * 300 / MASS)
     assert SafeSteps(make_plan(apart)).longest(SCHEMES["rk4"]) == pytest.approx(MARGIN * limit, rel=1e-3)
-
-
-class Flown:
-    """A pilot of four particles that live for eight frames, of which two are flown."""
-
-    frames, flown = np.full(4, 8), 2
-
-
-@pytest.mark.parametrize(("lost", "growth"), [(0, 4.0), (2, 4.0), (3, 1.0), (4, 1.0)])
-def test_errors_go_on_growing_unless_the_motion_is_chaotic_by_then(lost, growth):
-    reference = np.zeros((2, 4, 3))
-    reference[1, :lost] = np.nan
-    assert _growth(Flown(), reference) == growth
-    assert (lost / 4 > LOST) == (growth == 1.0)
