@@ -170,8 +170,9 @@ def main() -> None:
         right = "ok  " if found.accurate and not found.cheaper else "FAIL"
         print(
             f"{right} {found.scene}: {found.choice}; true error {found.error:.2g} {found.unit}, "
-            f"at most {found.largest:.2g}, followed {found.followed:.0%} of {found.span[0]:g} of {found.span[1]:g} s; cost {found.cost:.3g}, "
-            f"{found.evaluations:.3g} evaluations; enough at two thirds: {found.cheaper or 'none'} of {found.rivals}",
+            f"at most {found.largest:.2g}, followed {found.followed:.0%} of {found.span[0]:g} of {found.span[1]:g} s; "
+            f"cost {found.cost:.3g}, {found.evaluations:.3g} evaluations; "
+            f"enough at two thirds: {found.cheaper or 'none'} of {found.rivals}",
             flush=True,
         )
 
