@@ -6,7 +6,6 @@ from particlecli.scene.integrator import Integrator
 from tests.auto.shipped import ROOT, SHIPPED, judged, name_of
 
 MISSES = {
-    "scenes/gas": "errors grow e-fold in 0.1 s, where pilots, which fly half a second, take them to grow as time does",
     "scenes/sand": "judged for a tenth of a second, in which grains hardly touch; steps as safe as in a heap are dear",
     "scenes/dam_break": "judged for a frame, all that a solution is had of; pilots allow for errors of the whole scene",
 }
