@@ -1,11 +1,11 @@
 """Is what `auto` chooses for the shipped scenes accurate and cheap enough? `python -m tests.auto.shipped [NAME …]`.
 
 The choice is made for the scene as it is shipped, and judged on it, for the span that `SPANS` tells where that is dear.
-The error is that of a run in the scene's own precision, measured from a solution in double precision (dop853): of 95 in 100 particles that
-are seen in an eighth of the scene, in the worst eighth; that of the particle furthest off is told beside it.
-Particles are followed as long as that solution is known and can be had in the scene's precision: until it parts from
-one of a larger tolerance, or a run of very many steps in single precision parts from it. From then on the motion is
-chaotic, no integrator follows it, and nothing is said of it but how much that is.
+The error is that of a run in the scene's own precision, measured from a solution in double precision (dop853): of 95 in
+100 particles that are seen in an eighth of the scene, in the worst eighth; that of the particle furthest off is told
+beside it. Particles are followed as long as that solution is known and can be had in the scene's precision: until it
+parts from one of a larger tolerance, or a run of very many steps in single precision parts from it. From then on the
+motion is chaotic, no integrator follows it, and nothing is said of it but how much that is.
 Cost is counted, not timed: evaluations of the equations of motion, at the price that the kind of scheme has in the
 engine. A choice is dear if a rival that costs at most two thirds of it is accurate enough.
 """
