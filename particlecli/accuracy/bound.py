@@ -110,19 +110,20 @@ class Together(Carrier):
         runs = {name: nowhere(len(times), system.groups[name].plan.births.total) for name in self._groups}
         adaptive = self._plan.adaptive
         tolerance = tighter(self._plan, refinement) if adaptive else None
+        each = prices.coupled(system) / max(1, sum(system.group_evaluations[name] for name in self._groups))
         with run_again(system, 1.0 if adaptive else 2.0**refinement, tolerance, without=self._idle):
             try:
                 for index in range(1, system.plan.scene.frame_count):
                     system.advance(index / fps)
                     for row in np.flatnonzero(np.abs(times - system.time) < 1e-9):
                         _note(system, runs, int(row))
-                    if prices.coupled(system) > self.granted:
+                    if system.evaluations * each > self.granted:
                         for run in runs.values():
                             run.complete = False
                         break
             except SimulationError:
                 pass
-            self.granted -= prices.coupled(system)
+            self.granted -= system.evaluations * each
         return runs
 
 

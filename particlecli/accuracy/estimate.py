@@ -18,6 +18,7 @@ from particlecli.frame import Curve
 from particlecli.render.camera import on_picture
 
 if TYPE_CHECKING:
+    from particlecli.dynamics.rerun import Repeated
     from particlecli.frame import Frame
     from particlecli.render.camera import View
     from particlecli.simulate import Simulation
@@ -69,7 +70,7 @@ class ErrorEstimate:
         spent: price of other estimates, s.
 
     Attributes:
-        left_out: in the end, groups of which an estimate would be too dear.
+        left_out: in the end, groups of which an estimate would be too dear: also where it was begun and came to no end.
     """
 
     def __init__(
@@ -144,7 +145,7 @@ def _compared(sample: Sample, checkpoints: _Checkpoints) -> GroupError | None:
     if comparison is None:
         return None
     other = sample.again(np.arange(len(sample.ids)), comparison.refinement, times, counts)
-    if not other.complete:
+    if not other.complete or (comparison.refinement < 0 and _fails(other, sample)):
         sample.carrier.comparison = None
         return None
     distance = np.linalg.norm(sample.positions - other.positions, axis=2)
@@ -158,6 +159,12 @@ def _compared(sample: Sample, checkpoints: _Checkpoints) -> GroupError | None:
         trend = "rounding"
     either = ~(np.isnan(sample.positions[:, :, 0]) & np.isnan(other.positions[:, :, 0]))
     return _error(sample, length, either, trend, checkpoints)
+
+
+def _fails(other: Repeated, sample: Sample) -> bool:
+    """Whether another solution does not come to the end: its steps are too long."""
+    there = ~np.isnan(sample.positions[-1, :, 0])
+    return bool(there.any() and np.isnan(other.positions[-1, there, 0]).all())
 
 
 def _error(sample: Sample, length: Doubles, either: Mask, trend: Trend, checkpoints: _Checkpoints) -> GroupError:
