@@ -55,7 +55,8 @@ def trend_of(
 ) -> tuple[float, Trend]:
     """What the distance between two solutions has to be multiplied by to get the error, and what they tend to."""
     order, finer = _order(sample.group), comparison.refinement > 0
-    gain = sample.ratio(comparison.refinement, counts) ** order
+    ratio = sample.ratio(comparison.refinement, counts)
+    gain = ratio**order
     declared = 1.0 / (1.0 - 1.0 / gain) if finer else 1.0 / (gain - 1.0)
     if comparison.check is None:
         return declared, "unchecked"
@@ -73,7 +74,9 @@ def trend_of(
     if first > FAR * reach and shorter > longer / 2.0 ** (0.5 * min(order, HIGHEST)):
         return 2.0, "chaotic" if finer else "unsettled"
     if shorter <= NEARER * longer and longer > 0.0:
-        return max(declared, first / (longer - shorter)), "converging"
+        # Impacts at the ends of steps are of first order; where few meet planes, longer steps tell the scheme's own.
+        least = declared if finer else 1.0 / (ratio**sample.group.plan.scheme.order - 1.0)
+        return max(least, first / (longer - shorter)), "converging"
     rounding = first <= _rounding(sample, counts)
     return (1.0 / (SQRT3 if finer else SQRT3_2), "rounding") if rounding else (2.0, "irregular")
 
