@@ -7,7 +7,6 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from particlecli.accuracy.curves import WorkPrecision
 from particlecli.accuracy.runs import Run
@@ -69,12 +68,11 @@ def _runs(result: WorkPrecision) -> Table:
     return table
 
 
-def _row(run: Run, seen: bool, conserving: bool, best: bool) -> list[str | Text]:
+def _row(run: Run, seen: bool, conserving: bool, best: bool) -> list[str]:
     name = f"{'★' if best else ' '} {run.integrator}, {run.precision}"
-    pace = f"{run.tolerance:.0e}" if run.step is None else f"{run.step:.3g} s"
+    pace = _pace(run)
     if run.deviation is None:
-        blank = [""] * (3 + seen + conserving)
-        return [name, pace, *blank, _seconds(run.seconds), "", "", Text(run.trouble, overflow="ellipsis")]
+        return [name, pace, "failed", *[""] * (2 + seen + conserving), _seconds(run.seconds)]
     drift = "" if run.energy_drift is None else f"{run.energy_drift:.0e}"
     pixels = "" if run.error_pixels is None else f"{run.error_pixels:.2g} px"
     return [
@@ -94,6 +92,11 @@ def _row(run: Run, seen: bool, conserving: bool, best: bool) -> list[str | Text]
 
 def _foot(result: WorkPrecision) -> list[str]:
     lines = ["", "  ★ no other run is both quicker and more accurate"]
+    lines += [
+        f"  {run.integrator}, {run.precision}, at {_pace(run)} failed: {run.trouble}"
+        for run in result.runs
+        if run.deviation is None
+    ]
     orders = [
         f"{integrator} {order:.2f}" + ("" if precision == "double" else " (single)")
         for (integrator, precision), order in result.orders.items()
@@ -110,6 +113,11 @@ def _foot(result: WorkPrecision) -> list[str]:
     if result.left_out:
         lines.append(f"  left out for want of time: {', '.join(result.left_out)}")
     return [*lines, ""]
+
+
+def _pace(run: Run) -> str:
+    """The step or the tolerance."""
+    return f"{run.tolerance:.0e}" if run.step is None else f"{run.step:.3g} s"
 
 
 def _metres(length: float) -> str:
