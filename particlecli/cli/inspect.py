@@ -15,29 +15,41 @@ from particlecli.errors import CheckFailedError, OutputError, UsageError
 if TYPE_CHECKING:
     from particlecli.sinks.recording.reader import Recording
 
+FrameNumber = Annotated[int | None, typer.Option("--frame", metavar="N", min=0, help="Print the particles of a frame.")]
+Time = Annotated[
+    float | None,
+    typer.Option("--time", metavar="T", min=0, help="Print the particles of the recorded frame nearest to T s."),
+]
+Export = Annotated[
+    Path | None,
+    typer.Option(
+        "--export", metavar="F", help="With --frame or --time: write the particles to a .csv or .npz instead."
+    ),
+]
+Diff = Annotated[
+    Path | None,
+    typer.Option("--diff", metavar="OTHER.rrd", help="Say whether two recordings agree, and where they part (exit 1)."),
+]
+Tolerance = Annotated[
+    float,
+    typer.Option("--tolerance", metavar="M", min=0, help="With --diff: distance at which positions still agree, m."),
+]
+SceneCopy = Annotated[
+    Path | None,
+    typer.Option("--extract-scene", metavar="F", help="Write the scene to a file that can be run; - prints it."),
+]
+Partial = Annotated[bool, typer.Option("--partial", help="Read what is there of one that is cut short.")]
+
 
 def command(
     file: RecordingFile,
-    frame: Annotated[int | None, typer.Option(metavar="N", min=0, help="Print the particles of a frame.")] = None,
-    time: Annotated[
-        float | None, typer.Option(metavar="T", min=0, help="Print the particles of the recorded frame nearest to T s.")
-    ] = None,
-    export: Annotated[
-        Path | None,
-        typer.Option(metavar="F", help="With --frame or --time: write the particles to a .csv or .npz instead."),
-    ] = None,
-    diff: Annotated[
-        Path | None,
-        typer.Option(metavar="OTHER.rrd", help="Say whether two recordings agree, and where they part (exit 1)."),
-    ] = None,
-    tolerance: Annotated[
-        float, typer.Option(metavar="M", min=0, help="With --diff: distance at which positions still agree, m.")
-    ] = 0.0,
-    extract_scene: Annotated[
-        Path | None,
-        typer.Option("--extract-scene", metavar="F", help="Write the scene to a file that can be run; - prints it."),
-    ] = None,
-    partial: Annotated[bool, typer.Option("--partial", help="Read what is there of one that is cut short.")] = False,
+    frame: FrameNumber = None,
+    time: Time = None,
+    export: Export = None,
+    diff: Diff = None,
+    tolerance: Tolerance = 0.0,
+    extract_scene: SceneCopy = None,
+    partial: Partial = False,
     json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
     """Show what a recording holds: timelines, groups, entities, series, the scene and the report.

@@ -1,8 +1,7 @@
 """System: a plan brought to life. Advances the particles from frame to frame; the solver interface."""
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from particlecli import runtime
 from particlecli.dynamics.birth_table import BirthTable
 from particlecli.dynamics.births import ParticleBirths
+from particlecli.dynamics.failure import failed_before, failure
 from particlecli.dynamics.fixed import FixedGroup
 from particlecli.dynamics.flows import flow_terms
 from particlecli.dynamics.forces import force_term
@@ -172,7 +172,9 @@ class System:
         self.particle_steps += outcome.steps
         self.group_evaluations[name] += outcome.evaluations
         if outcome.failed_slot is not None:
-            self._fail(group, outcome.failed_slot, interval)
+            if self._retraces:
+                raise failure(self, group, outcome.failed_slot, interval)
+            raise failed_before(group, self.time + interval)
         if name in self._offspring:
             for child, table in self._offspring[name].born(self.time):
                 self._bear(child, table)
@@ -247,40 +249,6 @@ class System:
             if group.has("temperature"):
                 parts.append(group.derivative(time)[-1:])
         return np.concatenate([np.empty(0), *(part.ravel() for part in parts)])
-
-    def _fail(self, group: Group, slot: int, interval: float) -> NoReturn:
-        """Retrace the last frame of the particle that failed, step by step, and stop with what was found."""
-        steps = self.plan.steps_per_frame
-        dt = interval / steps
-        if not self._retraces:
-            until = self.time + interval
-            raise SimulationError(f"group {group.plan.name}: not finite any more before t = {until:.6g} s")
-        if self.coupled and group.plan.coupled:
-            last, s = group, self.coupled.retrace(self.time, interval, steps)
-        else:
-            last, s = self._retraced(group, slot, interval)
-        number = int(group.state.read(("id",))[0, slot]) if group.has("id") else slot
-        place = slot if last is group else 0
-        values = [(name, last.state.read((name,))[0, place]) for name in group.plan.motion_components]
-        well = ", ".join(f"{name} = {value:.6g}" for name, value in values)
-        raise SimulationError(
-            f"group {group.plan.name}, particle {number}: not finite any more after t = {self.time + s * dt:.6g} s "
-            f"(last good state: {well}). Try a smaller integrator.dt, a softening on forces that grow near a point, "
-            f"or drop such particles with dies: {{non_finite: true}}"
-        )
-
-    def _retraced(self, group: Group, slot: int, interval: float) -> tuple[Group, int]:
-        """A group of that particle alone where it was last well, and how many steps it took until then."""
-        steps = self.plan.steps_per_frame
-        dt = interval / steps
-        memory = FieldMemory()
-        witness = Group(replace(group.plan, capacity=1), group.motion, self._real, memory)
-        memory.open()
-        witness.state.append({name: group.state.read((name,))[0, slot : slot + 1] for name in group.plan.components})
-        for s in range(steps):
-            if witness.advance(self.time + s * dt, dt, 1).failed_slot is not None:
-                break
-        return witness, s
 
 
 def _at_start(plan: GroupPlan, table: BirthTable) -> BirthTable:
