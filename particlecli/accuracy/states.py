@@ -41,7 +41,7 @@ class States:
 
     @property
     def names(self) -> dict[str, Doubles]:
-        """What expressions of the scene call the components and the time."""
+        """The components and the time, each of shape (n,), by what expressions of the scene call them."""
         return {"t": self.times, **dict(zip("xyzuvw", self.motion, strict=False))}
 
     def at(self, places: NDArray[np.bool_]) -> States:

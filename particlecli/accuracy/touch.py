@@ -46,7 +46,7 @@ class Ground:
     interval: float
 
     def slopes(self, bodies: Bodies) -> Doubles:
-        """Time derivatives of the states: nothing presses through a plane, and friction acts on it."""
+        """Time derivatives of the states, of their shape: nothing presses through a plane, and friction acts on it."""
         slopes = self.free(bodies)
         for k, plane in enumerate(self.planes):
             there = bodies.on == k
@@ -68,7 +68,7 @@ class Ground:
         return gaps
 
     def delay(self, bodies: Bodies, event: NDArray[np.int64]) -> Doubles:
-        """How long after the given times the events are, s, to first order; 0 where it does not matter."""
+        """How long after the given times the events are, s, shape (n,), to first order; 0 where it does not matter."""
         slopes = self.slopes(bodies)
         delay = np.zeros(len(bodies))
         for k, plane in enumerate(self.planes):
@@ -189,7 +189,7 @@ def along(plane: Plane, vectors: Doubles) -> Doubles:
 
 
 def height(plane: Plane, x: Doubles) -> Doubles:
-    """Heights of points (3, n) above a plane, m."""
+    """Heights above a plane, m, shape (n,), of points of shape (3, n)."""
     return along(plane, x) - float(np.dot(plane.normal, plane.point))
 
 

@@ -34,7 +34,7 @@ class Brood:
     total: int
 
     def numbers(self, parents: NDArray[np.int64], places: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Numbers of children, by the numbers of their parents and their places among their siblings."""
+        """Numbers of children, by the numbers of their parents and their places among siblings; all shape (n,)."""
         return self.first + self.each * parents + places
 
 

@@ -11,7 +11,10 @@ from particlecli.dynamics.birth_table import BirthTable
 
 
 def columns_of(table: BirthTable, time: float) -> dict[str, NDArray[Any]]:
-    """The state of newborn particles at a time in s, component by component; before its birth an age is negative."""
+    """The state of newborn particles at a time in s, component by component, each of shape (n,).
+
+    Before its birth an age is negative.
+    """
     count = len(table)
     columns = {"id": table.ids, "age": time - table.times}
     columns |= {name: np.zeros(count) for name in ("fate", "pace", "impacts")}

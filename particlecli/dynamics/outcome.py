@@ -29,5 +29,5 @@ class Outcome:
 
 
 def lowered_flags() -> NDArray[np.int32]:
-    """Flags of which none is raised."""
+    """Flags of which none is raised, shape (4,)."""
     return np.array([NOBODY, 0, 0, 0], dtype=np.int32)

@@ -15,7 +15,7 @@ GOLDEN = (5**0.5 - 1) / 2
 
 
 def spread(total: int, most: int) -> NDArray[np.int64]:
-    """Up to `most` of the numbers below `total`, in order, spread evenly but in step with no lattice.
+    """Up to `most` of the numbers below `total`, in order, spread evenly but in step with no lattice; shape (n,).
 
     Multiples of the golden ratio, modulo 1: whatever the rows and layers of a grid, no row is taken alone.
     """
@@ -26,7 +26,7 @@ def spread(total: int, most: int) -> NDArray[np.int64]:
 
 
 def chosen(births: Births, most: int) -> NDArray[np.int64]:
-    """Numbers of up to `most` of the particles of a group, spread over all of its births."""
+    """Numbers of up to `most` of the particles of a group, spread over all of its births; shape (n,)."""
     places = spread(births.total, most)
     return births.ids[places] if isinstance(births, SampledBirths) else places
 

@@ -60,7 +60,7 @@ def directions(aim: Aim, draws: Draws) -> Array:
 
 
 def perpendiculars(axis: Vector3) -> tuple[Array, Array]:
-    """Two unit vectors that form a right-handed orthonormal frame with a unit axis, in this order.
+    """Two unit vectors that form a right-handed orthonormal frame with a unit axis, in this order; shape (3,).
 
     Precise for every direction: Duff et al., "Building an orthonormal basis, revisited" (JCGT 6, 2017).
     """

@@ -1,4 +1,7 @@
-"""The shipped sheets of pictures, computed when first used: smoke, flames, snowflakes and leaves."""
+"""The shipped sheets of pictures, computed when first used: smoke, flames, snowflakes and leaves.
+
+A sheet has the shape (pictures, SIZE, SIZE, 4): linear light, multiplied by how much it hides, and how much it hides.
+"""
 
 from __future__ import annotations
 
