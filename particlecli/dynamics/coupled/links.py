@@ -96,7 +96,7 @@ class Lattice:
 
 
 def places(layout: Layout | None, count: int) -> tuple[Doubles, Doubles]:
-    """s and side of each particle of a group, both shape (count,); of one without order by number, and in the middle."""
+    """s and side, shape (count,), of each particle of a group; of one without order by number, and in the middle."""
     if isinstance(layout, LinkedLayout):
         return Lattice.of(layout).places()
     return np.arange(count) / max(1, count - 1), np.zeros(count)

@@ -92,7 +92,7 @@ class Sph(LocalTerm[scene.Sph]):
         self._store_energies(self.points.packs)
 
     def fluid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Density, kg/m³, and pressure, Pa, at the present stage of the points, both by slot."""
+        """Density, kg/m³, and pressure, Pa, at the present stage of the points, lane by lane, shape (lanes,)."""
         self._weigh()
         compressions = self._compressions.array.reshape(-1).astype(np.float64)
         pressures = self.parameters()[4] * (compressions**self.spec.exponent - 1.0)
