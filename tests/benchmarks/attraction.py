@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from particlecli.scene.model import Scene
 from particlecli.simulate import Simulation
-from tests.benchmarks.contest import timed
+from tests.benchmarks.contest import quickest, timed
 from tests.benchmarks.figures import Figure
 from tests.benchmarks.peers.cplusplus import library
 
@@ -50,10 +50,8 @@ def _race(precision: Precision) -> Figure:
     contestants: dict[str, tuple[Callable[[], object], int]] = {"ours": (ours, COUNT), "NumPy": (_numpy(bodies), FEW)}
     if shutil.which("g++"):
         contestants["C++"] = (_cplusplus(precision, bodies), COUNT)
-    best = dict.fromkeys(contestants, 0.0)
-    for _ in range(ROUNDS):
-        for name, (work, count) in contestants.items():
-            best[name] = max(best[name], count**2 / timed(work) / 1e9)
+    seconds = quickest({name: work for name, (work, _) in contestants.items()}, ROUNDS)
+    best = {name: count**2 / seconds[name] / 1e9 for name, (_, count) in contestants.items()}
     return Figure(
         what=f"attraction, {COUNT:,} bodies, {precision}",
         value=best.pop("ours"),

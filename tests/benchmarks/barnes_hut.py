@@ -13,6 +13,7 @@ from particlecli.dynamics.coupled.tree_attraction import TreeAttraction
 from particlecli.scene import forces as scene
 from tests.benchmarks.attraction import SOFTENING, direct_rate
 from tests.benchmarks.contest import timed
+from tests.benchmarks.cost_plot import save_cost_plot
 from tests.benchmarks.figures import Figure
 from tests.dynamics.coupled.cloud import Cloud
 
@@ -41,7 +42,8 @@ def measure() -> list[Figure]:
     counts = np.array(COUNTS, float)
     ideal = counts * np.log2(counts)
     cost = np.array([each.seconds for each in measured.values()]) / ideal
-    _draw(counts, cost * 1e9)
+    title, unit = "Barnes–Hut: cost grows as N log N", "time of all forces by N log₂ N, ns"
+    save_cost_plot(PICTURE, counts, cost * 1e9, counted="bodies N", measured=unit, title=title, color="#1864ab")
     exponent, _ = np.polyfit(np.log(ideal), np.log(cost * ideal), 1)
     million = measured[MILLION]
     direct = MILLION**2 / (direct_rate("single") * 1e9)
@@ -103,24 +105,3 @@ def direct(x: NDArray[np.float32], chosen: NDArray[np.int64]) -> Numbers:
 
 def _spread(cost: Numbers) -> str:
     return f"{cost.min():.1f} to {cost.max():.1f} ns by N log₂ N, {COUNTS[0]:,} to {COUNTS[-1]:,} bodies"
-
-
-def _draw(counts: Numbers, cost: Numbers) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(7.2, 4.2), layout="constrained")
-    axes.plot(counts, cost, "o-", color="#1864ab", linewidth=1.8, markersize=6)
-    axes.set_xscale("log")
-    axes.set_ylim(0, 1.25 * cost.max())
-    axes.set_xlabel("bodies N")
-    axes.set_ylabel("time of all forces by N log₂ N, ns")
-    axes.set_title("Barnes–Hut: cost grows as N log N", loc="left")
-    axes.grid(axis="y", color="#dddddd", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    PICTURE.parent.mkdir(exist_ok=True)
-    figure.savefig(PICTURE, dpi=150)
-    pyplot.close(figure)

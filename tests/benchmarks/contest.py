@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -93,6 +94,15 @@ def contest(dust: Dust, peers: Mapping[str, Peer], goes: int = 3) -> dict[str, R
         )
         for name, times in seconds.items()
     }
+
+
+def quickest(tasks: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+    """The shortest wall time of each of several tasks, s, which take turns."""
+    seconds = dict.fromkeys(tasks, math.inf)
+    for _ in range(rounds):
+        for name, task in tasks.items():
+            seconds[name] = min(seconds[name], timed(task))
+    return seconds
 
 
 def timed(task: Callable[[], object]) -> float:

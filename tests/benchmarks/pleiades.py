@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from particlecli.scene.load import load_scene
 from particlecli.simulate import Simulation
-from tests.benchmarks.contest import timed
+from tests.benchmarks.contest import quickest
 from tests.benchmarks.figures import Figure
 
 PROBLEM = Path(__file__).parents[2] / "scenes" / "reference" / "pleiades.yaml"
@@ -46,12 +46,9 @@ def measure() -> list[Figure]:
         solved = solve_ivp(slopes, (0, scene.duration), start, method="DOP853", rtol=RELATIVE, atol=ABSOLUTE)
         return np.asarray(solved.y[:, -1])
 
-    best, errors = {}, {}
-    for name, work in {"ours": ours, "SciPy DOP853": scipys}.items():
-        errors[name] = float(np.abs(work()[:21].reshape(3, -1).T - np.array(known)).max())
-    for _ in range(ROUNDS):
-        for name, work in {"ours": ours, "SciPy DOP853": scipys}.items():
-            best[name] = min(best.get(name, np.inf), 1e3 * timed(work))
+    tasks = {"ours": ours, "SciPy DOP853": scipys}
+    errors = {name: float(np.abs(work()[:21].reshape(3, -1).T - np.array(known)).max()) for name, work in tasks.items()}
+    best = {name: 1e3 * seconds for name, seconds in quickest(tasks, ROUNDS).items()}
     note = f"errors: ours {errors['ours']:.1e}, SciPy {errors['SciPy DOP853']:.1e} m"
     peers = {"SciPy DOP853": best["SciPy DOP853"]}
     return [

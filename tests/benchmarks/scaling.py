@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tests.benchmarks.contest import Ours, timed
+from tests.benchmarks.cost_plot import save_cost_plot
 from tests.benchmarks.dust import STEPS, Dust
 from tests.benchmarks.figures import Figure
 
 COUNTS = (10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000, 30_000_000)
 FRAMES = 6
-Curve = NDArray[np.float64]
 PICTURE = Path(__file__).parents[2] / "outputs" / "scaling.png"
 
 
@@ -23,7 +22,9 @@ def measure() -> list[Figure]:
     counts = np.array(COUNTS, float)
     exponent, _ = np.polyfit(np.log(counts), np.log(seconds), 1)
     picoseconds = seconds / counts / STEPS * 1e12
-    _draw(counts, picoseconds, float(exponent))
+    title = f"Cost grows as the number of particles to the power {exponent:.2f}"
+    unit = "time a particle-step, ps"
+    save_cost_plot(PICTURE, counts, picoseconds, counted="particles", measured=unit, title=title, color="#d9480f")
     spread = f"{picoseconds.min():.0f} to {picoseconds.max():.0f} ps a particle-step"
     return [
         Figure("exponent of cost in the number", float(exponent), "", "less", must=1.05, note=spread),
@@ -38,24 +39,3 @@ def _seconds_a_frame(count: int) -> float:
         ours.restart()
         times.append([timed(ours.advance) for _ in range(FRAMES)])
     return float(np.min(times, axis=0).mean())
-
-
-def _draw(counts: Curve, picoseconds: Curve, exponent: float) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(7.2, 4.2), layout="constrained")
-    axes.plot(counts, picoseconds, "o-", color="#d9480f", linewidth=1.8, markersize=6)
-    axes.set_xscale("log")
-    axes.set_ylim(0, 1.25 * picoseconds.max())
-    axes.set_xlabel("particles")
-    axes.set_ylabel("time a particle-step, ps")
-    axes.set_title(f"Cost grows as the number of particles to the power {exponent:.2f}", loc="left")
-    axes.grid(axis="y", color="#dddddd", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    PICTURE.parent.mkdir(exist_ok=True)
-    figure.savefig(PICTURE, dpi=150)
-    pyplot.close(figure)

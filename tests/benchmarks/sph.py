@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import shutil
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from particlecli.scene.model import Scene
 from particlecli.simulate import Simulation
+from tests.benchmarks.contest import quickest
 from tests.benchmarks.figures import Figure
 from tests.benchmarks.peers.cplusplus import library
 
@@ -50,12 +50,8 @@ def measure() -> list[Figure]:
     if cplusplus:
         contestants["C++"] = (lambda: cplusplus.advance(BATCH), BATCH)
     contestants["SciPy"] = (_scipy(where), 1)
-    best = dict.fromkeys(contestants, 0.0)
-    for _ in range(ROUNDS):
-        for name, (work, steps) in contestants.items():
-            began = time.perf_counter()
-            work()
-            best[name] = max(best[name], steps * COUNT / (time.perf_counter() - began) / 1e6)
+    seconds = quickest({name: work for name, (work, _) in contestants.items()}, ROUNDS)
+    best = {name: steps * COUNT / seconds[name] / 1e6 for name, (_, steps) in contestants.items()}
     apart = _apart(ours.get_state().reshape(6, -1)[:2], cplusplus) if cplusplus else 0.0
     return [
         Figure(
