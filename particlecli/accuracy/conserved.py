@@ -24,6 +24,9 @@ Doubles = NDArray[np.float64]
 LOOKS, FEWEST = 16, 4
 """Frames at which is looked beside the first, at most and at least."""
 
+PART = 0.5
+"""What energy may cost, in parts of all that estimates may: positions come first."""
+
 ENERGY = 0.1
 """The price of loading the kernels of potential energies, s, see `prices`."""
 
@@ -32,7 +35,7 @@ class Conserved:
     """Watches those quantities of a simulation that its forces keep; what they drift by is the scheme's error.
 
     Of a scene of which some particles do not act on others, and where particles come or go, nothing is said. Energy is
-    left out where it would cost more than `prices.SHARE` of what is foreseen of the run.
+    left out where it would cost more than a part of `prices.SHARE` of what is foreseen of the run.
 
     Args:
         simulation: not advanced yet.
@@ -58,7 +61,7 @@ class Conserved:
     def _energy_looks(self, besides: prices.Besides) -> int:
         """At how many frames energy can be paid for; if at too few, it is not looked at."""
         plan = self._simulation.plan
-        left = prices.SHARE * (besides.fixed + prices.foreseen(plan)) - ENERGY
+        left = PART * prices.SHARE * (besides.fixed + prices.foreseen(plan)) - ENERGY
         each = prices.CALL + prices.together(plan)
         looks = int(min(LOOKS, left / each - 1.0))
         if looks < FEWEST:

@@ -56,6 +56,12 @@ def test_a_snake_is_carried_again_with_a_video_and_not_without():
     assert granted(snake, Besides()) == FINER
 
 
+@pytest.mark.parametrize("name", ["pleiades", "figure_eight"])
+def test_three_and_seven_bodies_are_at_any_rate(name):
+    described = load_scene(SCENES / "reference" / f"{name}.yaml", ["integrator={type: rk4, dt: 0.01}"])
+    assert granted(described, besides(described, None, 0)) == FINER
+
+
 @pytest.mark.parametrize("name", ["galaxies", "flag", "jelly", "hair", "gas", "reference/catenary"])
 def test_what_takes_longer_to_simulate_than_to_draw_is_not(name):
     described = load_scene(SCENES / f"{name}.yaml")
