@@ -12,8 +12,8 @@ from typing import Any
 from tests.benchmarks.figures import Figure
 
 SCENES = Path(__file__).parents[2] / "scenes"
-TOGETHER = ("snake", "fish_school", "galaxies", "reference/catenary", "reference/figure_eight", "reference/pleiades")
-ALONE = ("campfire", "fire_whirl", "fountain", "fireworks", "reference/incline", "reference/kepler")
+TOGETHER = ("snake", "fish_school", "galaxies", "reference/catenary", "reference/pleiades")
+ALONE = ("campfire", "fire_whirl", "fountain", "reference/incline")
 """Scenes whose particles act on each other, and such as have samples."""
 
 MOST = 5.0
