@@ -107,9 +107,9 @@ class BlockFactor:
             self.inverses[j, r] = -self.inverses[j, r]
 
     @ti.func
-    def descend(self, j, right):
-        """Solve for unknowns j with those before: right is what they should give."""
-        rest = right
+    def descend(self, j):
+        """Solve for unknowns j with those before; `halfway` has what they should give."""
+        rest = self.halfway[j]
         for f in range(self.row_starts[j], self.row_starts[j + 1]):
             known = self.halfway[self.columns[f]]
             for c in ti.static(range(SIX)):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
-from particlecli.dynamics.coupled.krylov import FOUND, RESIDUAL, ROUNDING, SIZE, Krylov
+from particlecli.dynamics.coupled.krylov import AT_ONCE, CONVERGED, FOUND, RESIDUAL, ROUNDING, SIZE, Krylov
 from particlecli.errors import SimulationError
 
 FIRST_ORDER = {4: 0.2, 8: 1e-3}
@@ -33,6 +33,9 @@ those need not be closer than the last change may be large.
 The first change takes back what the straight way that particles go by themselves stretches stiff springs, hundreds of
 times what is looked for: of its error the next ones are full.
 """
+
+RENEWED = 3
+"""Iterations of Newton's method in which bodies are brought to the equations; for later ones they do as well."""
 
 MOST_ITERATIONS, MOST_GRADIENTS = 50, 4000
 """Iterations of Newton's method, and of conjugate gradients in each, after which a step is cut in two."""
@@ -76,10 +79,8 @@ class Newton:
         """Compile the kernels, by advancing nobody."""
         self._krylov.approach(0, 0, 0, 0.0, 0.0, 1.0)
         self._krylov.evaluate(0, 0, 0.0)
-        self._krylov.linearize(0, 0, 0.0, 1.0, 1.0)
-        self._krylov.refresh()
-        self._krylov.iterate(0, 1)
-        self._krylov.update(0, 0)
+        self._krylov.linearize(0, 0, 1, 0, 0.0, 1.0, 1.0)
+        self._krylov.descend(0, 0, 1, 1.0)
         self._krylov.forget(0, 0)
 
     def step(self, packs: int, start: float, now: float, h: float, cuts: int = 0) -> int:
@@ -127,14 +128,13 @@ class Newton:
         for iteration in range(MOST_ITERATIONS):
             self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
             self._prepare(time)
-            self._krylov.linearize(i, packs, time, factor**2, factor)
-            self._krylov.refresh()
-            self._krylov.iterate(packs, 0)
+            with self._krylov.team.working(packs) as members:
+                self._krylov.linearize(i, packs, members, int(iteration < RENEWED), time, factor**2, factor)
             if small and 0.0 <= numbers[RESIDUAL] <= self._accuracy**2 * numbers[SIZE]:
                 return True, iteration + 1
-            if not self._descend(packs, max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)):
+            forcing = max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)
+            if not self._descend(i, packs, forcing):
                 return False, iteration + 1
-            self._krylov.update(i, packs)
             change, size = numbers[FOUND], numbers[SIZE]
             if not math.isfinite(change + size):
                 return False, iteration + 1
@@ -146,14 +146,14 @@ class Newton:
             small, smallest = self._left <= self._accuracy, min(smallest, self._left)
         return False, MOST_ITERATIONS
 
-    def _descend(self, packs: int, forcing: float) -> bool:
-        """Solve Newton's equations to a share of the solution; whether conjugate gradients converged."""
+    def _descend(self, i: int, packs: int, forcing: float) -> bool:
+        """Solve Newton's equations to a share of the solution, and take it; whether conjugate gradients converged."""
         numbers = self._krylov.found.array
-        for _ in range(MOST_GRADIENTS):
-            self._krylov.iterate(packs, 1)
-            left, found = numbers[RESIDUAL], numbers[FOUND]
-            if not 0.0 <= left < math.inf:
-                return False
-            if left <= forcing**2 * found:
+        for _ in range(MOST_GRADIENTS // AT_ONCE):
+            with self._krylov.team.working(packs) as members:
+                self._krylov.descend(i, packs, members, forcing)
+            if numbers[CONVERGED]:
                 return True
+            if not 0.0 <= numbers[RESIDUAL] < math.inf:
+                return False
         return False

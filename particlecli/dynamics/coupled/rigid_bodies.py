@@ -14,8 +14,8 @@ from particlecli.dynamics.coupled.blocks import total
 from particlecli.dynamics.coupled.bodies import bodies
 from particlecli.dynamics.coupled.body_equations import BodyEquations
 from particlecli.dynamics.coupled.pins import Pins
-from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
+from particlecli.dynamics.coupled.team import Team
 from particlecli.dynamics.group_plan import LANES
 
 
@@ -28,63 +28,73 @@ class RigidBodies:
         pins: those that do not move.
         alone: as of `BodyEquations`.
         residual: field of packs, shape (3, packs): what is left of the equations, zero for what does not move.
+        team: whose members carry it all out.
 
     Attributes:
         count: how many bodies; with none there is nothing else.
     """
 
-    def __init__(self, rows: SpringRows, pins: Pins, alone, residual) -> None:
-        self.rows, self.residual = rows, residual
+    def __init__(self, rows: SpringRows, pins: Pins, alone, residual, team: Team) -> None:
+        self.rows, self.residual, self.team = rows, residual, team
         owners, elimination = bodies(rows.graph()[0], rows.positions(), rows.free(pins))
         self.count = elimination.count
         if self.count:
             self.factor = BlockFactor(elimination, rows.points)
             self.equations = BodyEquations(rows, alone, owners, elimination.numbers())
 
-    @ti.kernel
-    def refresh(self):
+    @ti.func
+    def refresh(self, member, members):
         """Put the equations of the bodies together and factorize them, for particles and springs as they are now."""
-        ti.loop_config(serialize=True)
-        for body in range(self.count):
+        first, last = self.team.share(member, members, self.count)
+        for body in range(first, last):
             self.equations.center(body)
-        ti.loop_config(serialize=True)
-        for row in range(self.rows.count):
+        self.team.meet(members)
+        first, last = self.team.share(member, members, self.rows.count)
+        for row in range(first, last):
             self.equations.reach(row)
-        ti.loop_config(block_dim=SHARE)
-        for block in range(self.count + self.factor.blocks):
+        self.team.meet(members)
+        block = member
+        while block < self.count + self.factor.blocks:
             self.equations.assemble(self.factor.values, block)
-        ti.loop_config(block_dim=1)
-        for branch in range(self.factor.branches):
+            block += members
+        self.team.meet(members)
+        branch = member
+        while branch < self.factor.branches:
             for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
                 self.factor.eliminate(k)
-        ti.loop_config(serialize=True)
-        for k in range(self.factor.trunk, self.count):
-            self.factor.eliminate(k)
+            branch += members
+        self.team.meet(members)
+        if member == 0:
+            for k in range(self.factor.trunk, self.count):
+                self.factor.eliminate(k)
 
     @ti.func
-    def begin(self, branch):
-        """Solve for the bodies of a branch with those before them, from the residual."""
-        for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
-            self.factor.descend(k, self._gathered(k))
-
-    @ti.func
-    def turn(self):
-        """Solve for the bodies of the trunk, once all branches have begun.
-
-        Returns: what was found for all of them, times what was left.
-        """
-        for k in range(self.factor.trunk, self.count):
-            self.factor.descend(k, self._gathered(k))
-        for k in range(self.count - self.factor.trunk):
-            self.factor.ascend(self.count - 1 - k)
+    def solve(self, member, members):
+        """Find how bodies move, from the residual, which all have seen; returns that times what was left."""
+        first, last = self.team.share(member, members, self.count)
+        for k in range(first, last):
+            self.factor.halfway[k] = self._gathered(k)
+        self.team.meet(members)
+        branch = member
+        while branch < self.factor.branches:
+            for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
+                self.factor.descend(k)
+            branch += members
+        self.team.meet(members)
+        if member == 0:
+            for k in range(self.factor.trunk, self.count):
+                self.factor.descend(k)
+            for k in range(self.count - self.factor.trunk):
+                self.factor.ascend(self.count - 1 - k)
+        self.team.meet(members)
+        branch = member
+        while branch < self.factor.branches:
+            begin, end = self.factor.firsts[branch], self.factor.firsts[branch + 1]
+            for k in range(end - begin):
+                self.factor.ascend(end - 1 - k)
+            branch += members
+        self.team.meet(members)
         return self.factor.product()
-
-    @ti.func
-    def end(self, branch):
-        """Solve for the bodies of a branch."""
-        first, last = self.factor.firsts[branch], self.factor.firsts[branch + 1]
-        for k in range(last - first):
-            self.factor.ascend(last - 1 - k)
 
     @ti.func
     def _gathered(self, body):
