@@ -58,17 +58,37 @@ class Krylov:
         self.bodies = RigidBodies(rows, pins, self.equations.alone, self.residual, self.team)
 
     @ti.kernel
-    def approach(self, row: ti.i32, beginning: ti.i32, packs: ti.i32, start: ti.f64, now: ti.f64, length: ti.f64):
-        """Bring points to a stage of a step from `now`, s after `start`; so many packs begin the step first."""
+    def approach(
+        self,
+        row: ti.i32,
+        beginning: ti.i32,
+        forgetting: ti.i32,
+        packs: ti.i32,
+        start: ti.f64,
+        now: ti.f64,
+        length: ti.f64,
+    ):
+        """Bring packs to a stage of a step from `now`, s after `start`.
+
+        So many begin the step first, and so many forget the accelerations of the stage.
+        """
         ti.loop_config(serialize=self.few)
         for b in range(beginning):
             t0, h = ti.cast(start, self.real), ti.cast(length, self.real)
             self.step.begin(b, t0, ti.cast(now, self.real), h)
         ti.loop_config(serialize=self.few)
+        for b in range(forgetting):
+            for c in ti.static(range(3)):
+                self.stages.slopes[3 * row + c, b] = 0.0 * self.points.mass[b]
+        ti.loop_config(serialize=self.few)
         for b in range(packs):
-            h = ti.cast(length, self.real)
-            self.stages.approach(row, b, self.ending.reaches[b])
-            self.ending.pins.place(b, ti.cast(start + now, self.real) + self.step.times[row] * h)
+            self._approach(row, b, start + now, length)
+
+    @ti.func
+    def _approach(self, row, b, begun, length):
+        h = ti.cast(length, self.real)
+        self.stages.approach(row, b, self.ending.reaches[b])
+        self.ending.pins.place(b, ti.cast(begun, self.real) + self.step.times[row] * h)
 
     @ti.kernel
     def evaluate(self, i: ti.i32, packs: ti.i32, time: ti.f64):
@@ -76,14 +96,6 @@ class Krylov:
         ti.loop_config(block_dim=SHARE)
         for b in range(packs):
             self.step.evaluate(i, b, ti.cast(time, self.real))
-
-    @ti.kernel
-    def forget(self, i: ti.i32, packs: ti.i32):
-        """Begin the search for the accelerations of stage i from none."""
-        ti.loop_config(serialize=self.few)
-        for b in range(packs):
-            for c in ti.static(range(3)):
-                self.stages.slopes[3 * i + c, b] = 0.0 * self.points.mass[b]
 
     @ti.kernel
     def linearize(
@@ -120,10 +132,13 @@ class Krylov:
                 self.numbers[RESIDUAL], self.numbers[FOUND] = left, 0.0
 
     @ti.kernel
-    def descend(self, i: ti.i32, packs: ti.i32, members: ti.i32, forcing: ti.f64):
+    def descend(
+        self, i: ti.i32, packs: ti.i32, members: ti.i32, forcing: ti.f64, start: ti.f64, now: ti.f64, length: ti.f64
+    ):
         """Conjugate gradients (Hestenes & Stiefel 1952), until r·z is so small a share, squared, of δ·Aδ.
 
-        Then the accelerations of stage i are changed. They may not have converged in one launch: the next goes on.
+        Then the accelerations of stage i are changed, and packs brought there, as by `approach`. They may not have
+        converged in one launch: the next goes on.
         """
         self.team.gather()
         ti.loop_config(block_dim=1)
@@ -148,6 +163,7 @@ class Krylov:
             if converged:
                 for b in range(first, last):
                     self.parts[b] = self.equations.take(i, b)
+                    self._approach(i, b, start + now, length)
             self.team.meet(members)
             if member == 0:
                 self.numbers[RESIDUAL], self.numbers[FOUND] = left, found

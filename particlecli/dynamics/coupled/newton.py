@@ -77,11 +77,10 @@ class Newton:
 
     def compile(self) -> None:
         """Compile the kernels, by advancing nobody."""
-        self._krylov.approach(0, 0, 0, 0.0, 0.0, 1.0)
+        self._krylov.approach(0, 0, 0, 0, 0.0, 0.0, 1.0)
         self._krylov.evaluate(0, 0, 0.0)
         self._krylov.linearize(0, 0, 1, 0, 0.0, 1.0, 1.0)
-        self._krylov.descend(0, 0, 1, 1.0)
-        self._krylov.forget(0, 0)
+        self._krylov.descend(0, 0, 1, 1.0, 0.0, 0.0, 1.0)
 
     def step(self, packs: int, start: float, now: float, h: float, cuts: int = 0) -> int:
         """A step of length h from `now`, s after `start`; returns how many evaluations it took.
@@ -91,7 +90,7 @@ class Newton:
         """
         found, evaluations = self._solve(packs, start, now, h)
         if found:
-            self._krylov.approach(self._stages.stages, 0, packs, start, now, h)
+            self._krylov.approach(self._stages.stages, 0, 0, packs, start, now, h)
             self._end(start, now, h)
             return evaluations
         if cuts == MOST_CUTS:
@@ -109,7 +108,7 @@ class Newton:
         """Whether the stages of a step were found, and how many evaluations that took."""
         evaluations = self._stages.explicit
         for i in range(evaluations):
-            self._krylov.approach(i, packs if i == 0 else 0, packs, start, now, h)
+            self._krylov.approach(i, packs if i == 0 else 0, 0, packs, start, now, h)
             time = start + now + self._stages.times[i] * h
             self._prepare(time)
             self._krylov.evaluate(i, packs, time)
@@ -124,16 +123,15 @@ class Newton:
         """Whether a stage was found, and how many evaluations that took."""
         factor, time = h * self._stages.own_weights[i], start + now + self._stages.times[i] * h
         numbers, smallest, small = self._krylov.found.array, math.inf, False
-        self._krylov.forget(i, packs)
+        self._krylov.approach(i, packs if i == 0 else 0, packs, packs, start, now, h)
         for iteration in range(MOST_ITERATIONS):
-            self._krylov.approach(i, packs if iteration == 0 and i == 0 else 0, packs, start, now, h)
             self._prepare(time)
             with self._krylov.team.working(packs) as members:
                 self._krylov.linearize(i, packs, members, int(iteration < RENEWED), time, factor**2, factor)
             if small and 0.0 <= numbers[RESIDUAL] <= self._accuracy**2 * numbers[SIZE]:
                 return True, iteration + 1
             forcing = max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)
-            if not self._descend(i, packs, forcing):
+            if not self._descend(i, packs, forcing, start, now, h):
                 return False, iteration + 1
             change, size = numbers[FOUND], numbers[SIZE]
             if not math.isfinite(change + size):
@@ -146,12 +144,12 @@ class Newton:
             small, smallest = self._left <= self._accuracy, min(smallest, self._left)
         return False, MOST_ITERATIONS
 
-    def _descend(self, i: int, packs: int, forcing: float) -> bool:
+    def _descend(self, i: int, packs: int, forcing: float, start: float, now: float, h: float) -> bool:
         """Solve Newton's equations to a share of the solution, and take it; whether conjugate gradients converged."""
         numbers = self._krylov.found.array
         for _ in range(MOST_GRADIENTS // AT_ONCE):
             with self._krylov.team.working(packs) as members:
-                self._krylov.descend(i, packs, members, forcing)
+                self._krylov.descend(i, packs, members, forcing, start, now, h)
             if numbers[CONVERGED]:
                 return True
             if not 0.0 <= numbers[RESIDUAL] < math.inf:

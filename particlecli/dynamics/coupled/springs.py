@@ -56,7 +56,7 @@ class Springs(CoupledTerm[scene.Springs]):
         self.columns = ti.field(pack, shape=(3 if self.needs_places else 1, rows))
         if len(partners):
             points.memory.view(self.columns, np.stack(columns[: 3 if self.needs_places else 1]))
-        self.stiff = ti.field(pack, shape=(4, rows) if plans[0].implicit else (4, 1))
+        self.stiff = ti.field(pack, shape=(rows if plans[0].implicit else 1, 4))
         self.partner_packs = PartnerPacks(steps, self.partners, points, groups)
         self._partners = points.memory.view(self.partners, partners if len(partners) else None)
 
@@ -132,7 +132,7 @@ class Springs(CoupledTerm[scene.Springs]):
             s = ti.select(joins, by_position * p[0] * (1.0 - taut) + by_velocity * p[1], 0.0)
             root = ti.sqrt(s)
             for j in ti.static(range(4)):
-                self.stiff[j, slot] = [root * nx, root * ny, root * nz, c][j]
+                self.stiff[slot, j] = [root * nx, root * ny, root * nz, c][j]
             xx, xy, xz = xx + s * nx * nx + c, xy + s * nx * ny, xz + s * nx * nz
             yy, yz, zz = yy + s * ny * ny + c, yz + s * ny * nz, zz + s * nz * nz + c
         return [xx, xy, xz, yy, yz, zz]
@@ -145,7 +145,7 @@ class Springs(CoupledTerm[scene.Springs]):
         first, row = self._place(b)
         for slot in range(self.starts[row], self.starts[row + 1]):
             qx, qy, qz = self.partner_packs.vectors(vectors, 0, slot, b, first)
-            nx, ny, nz, c = self.stiff[0, slot], self.stiff[1, slot], self.stiff[2, slot], self.stiff[3, slot]
+            nx, ny, nz, c = self.stiff[slot, 0], self.stiff[slot, 1], self.stiff[slot, 2], self.stiff[slot, 3]
             along = nx * qx + ny * qy + nz * qz
             x, y, z = x - along * nx - c * qx, y - along * ny - c * qy, z - along * nz - c * qz
         return [x, y, z]
@@ -154,12 +154,12 @@ class Springs(CoupledTerm[scene.Springs]):
     def link(self, place):
         """√s n and c of the spring of entry `place`, four numbers, as of `linearize`."""
         slot, lane = place // LANES, place % LANES
-        return ti.Vector([self.stiff[j, slot][lane] for j in ti.static(range(4))])
+        return ti.Vector([self.stiff[slot, j][lane] for j in ti.static(range(4))])
 
     @ti.func
     def tautness(self, place):
         """c of that spring alone."""
-        return self.stiff[3, place // LANES][place % LANES]
+        return self.stiff[place // LANES, 3][place % LANES]
 
     @ti.func
     def end_step(self, p, b, t):
