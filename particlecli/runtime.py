@@ -7,15 +7,13 @@ runtime that nothing uses any more is started afresh.
 
 import atexit
 import contextlib
-import functools
 import gc
 import io
 import os
 import weakref
-from pathlib import Path
 from typing import Literal
 
-from particlecli import taichi_shortcuts
+from particlecli import cores, taichi_shortcuts
 
 Precision = Literal["single", "double"]
 
@@ -43,7 +41,7 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
             if nothing like it was built before.
     """
     global _epoch, _started, _worn, _workers
-    settings = (precision, threads or cores())
+    settings = (precision, threads or cores.usable())
     known = structure is None or structure in _seen
     if structure is not None:
         _seen.add(structure)
@@ -53,7 +51,7 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
     with contextlib.redirect_stdout(io.StringIO()):
         import taichi as ti
 
-        before = _thread_ids()
+        before = cores.threads()
         ti.init(
             arch=ti.cpu,
             cpu_max_num_threads=settings[1],
@@ -70,7 +68,7 @@ def start(precision: Precision, threads: int | None = None, structure: str | Non
         )
         # The pool of threads exists by now and takes no more of them than it has.
         ti.lang.impl.get_runtime().prog.config().cpu_max_num_threads = max(settings[1], COMPILED_FOR)
-    _workers = _thread_ids() - before
+    _workers = cores.threads() - before
     if _epoch == 0:
         atexit.register(stop)  # Taichi writes its cache of kernels when it ends, and an exit may not end it
     _started = settings
@@ -85,31 +83,9 @@ def threads() -> int:
     return _started[1]
 
 
-def settle() -> bool:
-    """Keep each worker thread on a core of its own; whether that can be done.
-
-    Threads that wait for each other must run at the same time; when they are woken for short work, both are often put
-    on one core.
-    """
-    if not hasattr(os, "sched_setaffinity") or threads() < len(os.sched_getaffinity(0)):
-        return False
-    allowed = sorted(os.sched_getaffinity(0))
-    for number, worker in enumerate(sorted(_workers & _thread_ids())):
-        os.sched_setaffinity(worker, {allowed[number % len(allowed)]})
-    return True
-
-
-@functools.cache
-def cores() -> int:
-    """How many cores this process may use: those that it may run on, or, if that is less, what its control group gets.
-
-    Source: the Linux kernel's documentation of control groups, version 2, `cpu.max`.
-    """
-    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    with contextlib.suppress(OSError, ValueError):
-        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
-        count = min(count, max(1, round(int(quota) / int(period))))
-    return count
+def workers() -> set[int]:
+    """The threads that were started with Taichi, as `cores.threads`."""
+    return _workers
 
 
 def use(user: object, *, wears: bool = False) -> None:
@@ -122,12 +98,6 @@ def use(user: object, *, wears: bool = False) -> None:
     global _worn
     _users.add(user)
     _worn = _worn or wears
-
-
-def _thread_ids() -> set[int]:
-    """The threads of this process, as Linux numbers them; none elsewhere."""
-    tasks = Path("/proc/self/task")
-    return {int(each.name) for each in tasks.iterdir()} if tasks.is_dir() else set()
 
 
 def _abandoned() -> bool:

@@ -12,12 +12,16 @@ from particlecli.dynamics.coupled.sharing import SHARE
 from particlecli.dynamics.coupled.spring_rows import SpringRows
 from particlecli.dynamics.coupled.springs import Springs
 from particlecli.dynamics.coupled.step import Step
-from particlecli.dynamics.coupled.team import Team
+from particlecli.dynamics.coupled.team import MOST, Team
 from particlecli.dynamics.group_plan import LANES
 
-RESIDUAL, FOUND, CONVERGED, SIZE, ROUNDING = range(5)
-"""Places in the numbers: r·z; δ·Aδ of the change found; 1 if that is close enough; Σ m |k|² with it; what rounding of
-positions is worth as δ·Aδ, times h⁴ a⁴."""
+RESIDUAL, FOUND, STATE, SIZE, ROUNDING = range(5)
+"""Places in the numbers: r·z; δ·Aδ of the change found; how far an iteration of Newton's method is; if something was
+changed Σ m |k|²; what rounding of positions is worth as δ·Aδ, times h⁴ a⁴."""
+
+GOING, CHANGED, KEPT, LOST = range(4)
+"""Conjugate gradients have not ended yet; the accelerations are changed; they were good enough; there are none that are
+numbers, or the matrix is not positive definite."""
 
 MANY = 4096
 """For fewer packs threads take longer to start than what they would share, where a pack takes no time."""
@@ -98,78 +102,81 @@ class Krylov:
             self.step.evaluate(i, b, ti.cast(time, self.real))
 
     @ti.kernel
-    def linearize(
+    def descend(
         self,
         i: ti.i32,
         packs: ti.i32,
         members: ti.i32,
+        begun: ti.i32,
         anew: ti.i32,
+        forcing: ti.f64,
+        enough: ti.f64,
+        beginning: ti.f64,
         time: ti.f64,
-        by_position: ti.f64,
-        by_velocity: ti.f64,
+        length: ti.f64,
+        factor: ti.f64,
     ):
-        """Newton's equations at stage i, with the first direction; the factors are h² a², s², and h a, s.
+        """An iteration of Newton's method at stage i of a step: its equations, and conjugate gradients.
 
-        The bodies are brought to these equations if `anew` is 1; else they are those of earlier ones.
+        These (Hestenes & Stiefel 1952) go on until r·z is less than a share, squared, of δ·Aδ. Then the accelerations
+        are changed, and packs brought to the stage, as by `approach`. They may not end in one launch; the next goes on.
+
+        Args:
+            begun: 1 to go on.
+            anew: 1 to bring the bodies to these equations; else they are those of earlier ones.
+            forcing: the share.
+            enough: if r·z is at most so much at once, nothing is changed.
+            beginning, time: of the step and of the stage, s.
+            length, factor: of the step, and h a, s.
         """
         self.team.gather()
-        ti.loop_config(block_dim=1)
+        ti.loop_config(block_dim=1, parallelize=MOST)
         for member in range(members):
             first, last = self.team.share(member, members, packs)
-            for b in range(first, last):
-                t, s, by = ti.cast(time, self.real), ti.cast(by_velocity, self.real), ti.cast(by_position, self.real)
-                self.equations.linearize(i, b, t, by, s)
-                for c in ti.static(range(3)):
-                    self.direction[c, b] = 0.0 * self.points.mass[b]
-                    self.image[c, b] = 0.0 * self.points.mass[b]
-            self.team.meet(members)
-            if ti.static(self.bodies.count > 0):
-                if anew == 1:
-                    self.bodies.refresh(member, members)
-            left = self._precondition(member, members, packs, 0.0)
-            self._turn(first, last, 0.0, 0.0)
-            if member == 0:
-                self.numbers[RESIDUAL], self.numbers[FOUND] = left, 0.0
-
-    @ti.kernel
-    def descend(
-        self, i: ti.i32, packs: ti.i32, members: ti.i32, forcing: ti.f64, start: ti.f64, now: ti.f64, length: ti.f64
-    ):
-        """Conjugate gradients (Hestenes & Stiefel 1952), until r·z is so small a share, squared, of δ·Aδ.
-
-        Then the accelerations of stage i are changed, and packs brought there, as by `approach`. They may not have
-        converged in one launch: the next goes on.
-        """
-        self.team.gather()
-        ti.loop_config(block_dim=1)
-        for member in range(members):
-            first, last = self.team.share(member, members, packs)
-            left, found = self.numbers[RESIDUAL], self.numbers[FOUND]
-            going, iteration = True, 0
-            while going & (iteration < AT_ONCE):
-                for b in range(first, last):
-                    self._multiply(b)
+            if begun == 0:
+                self._set_up(i, first, last, time, factor)
                 self.team.meet(members)
-                # Every member takes the sums, which is sooner done than told.
-                total, old = self._total(self.others, packs), left
-                step = ti.select(total > 0.0, old / total, 0.0)
-                found += step**2 * total
+                if ti.static(self.bodies.count > 0):
+                    if anew == 1:
+                        self.bodies.refresh(member, members)
+            left, found, state, iteration = self.numbers[RESIDUAL], self.numbers[FOUND], GOING, 0
+            if begun == 0:
+                left, found = 0.0, 0.0
+            while (state == GOING) & (iteration < AT_ONCE):
+                step, old = ti.cast(0.0, ti.f64), left
+                if (begun == 1) | (iteration > 0):
+                    for b in range(first, last):
+                        self._multiply(b)
+                    self.team.meet(members)
+                    # Every member takes the sums, which is sooner done than told.
+                    total = self._total(self.others, packs)
+                    step = ti.select(total > 0.0, old / total, 0.0)
+                    found += step**2 * total
                 left = self._precondition(member, members, packs, step)
                 self._turn(first, last, step, ti.select(old > 0.0, left / old, 0.0))
                 self.team.meet(members)
-                going = (left > forcing**2 * found) & (left < math.inf)
+                at_once = (begun == 0) & (iteration == 0)
+                state = self._state(left, ti.select(at_once, enough, forcing**2 * found), at_once)
                 iteration += 1
-            converged = (left >= 0.0) & (left <= forcing**2 * found)
-            if converged:
+            if state == CHANGED:
                 for b in range(first, last):
                     self.parts[b] = self.equations.take(i, b)
-                    self._approach(i, b, start + now, length)
+                    self._approach(i, b, beginning, length)
             self.team.meet(members)
             if member == 0:
-                self.numbers[RESIDUAL], self.numbers[FOUND] = left, found
-                self.numbers[CONVERGED] = ti.select(converged, 1.0, 0.0)
+                self.numbers[RESIDUAL], self.numbers[FOUND], self.numbers[STATE] = left, found, state
                 self.numbers[SIZE] = self._total(self.parts, packs)
                 self.numbers[ROUNDING] = self._total(self.equations.rounding, packs)
+
+    @ti.func
+    def _set_up(self, i, first, last, time, factor):
+        """Newton's equations of some packs, with no direction yet."""
+        for b in range(first, last):
+            t, s, by = ti.cast(time, self.real), ti.cast(factor, self.real), ti.cast(factor**2, self.real)
+            self.equations.linearize(i, b, t, by, s)
+            for c in ti.static(range(3)):
+                self.direction[c, b] = 0.0 * self.points.mass[b]
+                self.image[c, b] = 0.0 * self.points.mass[b]
 
     @ti.func
     def _multiply(self, b):
@@ -220,6 +227,16 @@ class Krylov:
                 direction = self.direction[c, b]
                 self.change[c, b] = self.change[c, b] + step * direction
                 self.direction[c, b] = [x, y, z][c] + share * direction
+
+    @ti.func
+    def _state(self, left, enough, at_once):
+        """How far they are with so much left where so much is enough, at once or after a change."""
+        state = GOING
+        if not ((left >= 0.0) & (left < math.inf)):
+            state = LOST
+        elif left <= enough:
+            state = ti.select(at_once, KEPT, CHANGED)
+        return state
 
     @ti.func
     def _total(self, parts: ti.template(), packs):

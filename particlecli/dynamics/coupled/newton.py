@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from particlecli.dynamics.coupled.implicit_stages import ImplicitStages
-from particlecli.dynamics.coupled.krylov import AT_ONCE, CONVERGED, FOUND, RESIDUAL, ROUNDING, SIZE, Krylov
+from particlecli.dynamics.coupled.krylov import AT_ONCE, CHANGED, FOUND, GOING, KEPT, ROUNDING, SIZE, STATE, Krylov
 from particlecli.errors import SimulationError
 
 FIRST_ORDER = {4: 0.2, 8: 1e-3}
@@ -79,8 +79,7 @@ class Newton:
         """Compile the kernels, by advancing nobody."""
         self._krylov.approach(0, 0, 0, 0, 0.0, 0.0, 1.0)
         self._krylov.evaluate(0, 0, 0.0)
-        self._krylov.linearize(0, 0, 1, 0, 0.0, 1.0, 1.0)
-        self._krylov.descend(0, 0, 1, 1.0, 0.0, 0.0, 1.0)
+        self._krylov.descend(0, 0, 1, 0, 0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0)
 
     def step(self, packs: int, start: float, now: float, h: float, cuts: int = 0) -> int:
         """A step of length h from `now`, s after `start`; returns how many evaluations it took.
@@ -122,17 +121,14 @@ class Newton:
     def _solve_stage(self, i: int, packs: int, start: float, now: float, h: float) -> tuple[bool, int]:
         """Whether a stage was found, and how many evaluations that took."""
         factor, time = h * self._stages.own_weights[i], start + now + self._stages.times[i] * h
-        numbers, smallest, small = self._krylov.found.array, math.inf, False
+        numbers, smallest, enough = self._krylov.found.array, math.inf, -1.0
         self._krylov.approach(i, packs if i == 0 else 0, packs, packs, start, now, h)
         for iteration in range(MOST_ITERATIONS):
             self._prepare(time)
-            with self._krylov.team.working(packs) as members:
-                self._krylov.linearize(i, packs, members, int(iteration < RENEWED), time, factor**2, factor)
-            if small and 0.0 <= numbers[RESIDUAL] <= self._accuracy**2 * numbers[SIZE]:
-                return True, iteration + 1
             forcing = max(FORCING[min(iteration, 2)], self._accuracy if iteration > 1 else 0.0)
-            if not self._descend(i, packs, forcing, start, now, h):
-                return False, iteration + 1
+            ended = self._descend(i, packs, int(iteration < RENEWED), forcing, enough, start + now, time, h, factor)
+            if ended != CHANGED:
+                return ended == KEPT, iteration + 1
             change, size = numbers[FOUND], numbers[SIZE]
             if not math.isfinite(change + size):
                 return False, iteration + 1
@@ -141,17 +137,17 @@ class Newton:
                 return True, iteration + 1
             if not self._left < 1e3 * smallest:
                 return False, iteration + 1
-            small, smallest = self._left <= self._accuracy, min(smallest, self._left)
+            enough = self._accuracy**2 * size if self._left <= self._accuracy else -1.0
+            smallest = min(smallest, self._left)
         return False, MOST_ITERATIONS
 
-    def _descend(self, i: int, packs: int, forcing: float, start: float, now: float, h: float) -> bool:
-        """Solve Newton's equations to a share of the solution, and take it; whether conjugate gradients converged."""
-        numbers = self._krylov.found.array
-        for _ in range(MOST_GRADIENTS // AT_ONCE):
+    def _descend(self, i: int, packs: int, *rest: float) -> int:
+        """An iteration of Newton's method: `Krylov.descend`, launched as often as that takes; how it ended."""
+        state = GOING
+        for launch in range(MOST_GRADIENTS // AT_ONCE):
             with self._krylov.team.working(packs) as members:
-                self._krylov.descend(i, packs, members, forcing, start, now, h)
-            if numbers[CONVERGED]:
-                return True
-            if not 0.0 <= numbers[RESIDUAL] < math.inf:
-                return False
-        return False
+                self._krylov.descend(i, packs, members, int(launch > 0), *rest)
+            state = int(self._krylov.found.array[STATE])
+            if state != GOING:
+                break
+        return state

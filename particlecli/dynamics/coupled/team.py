@@ -1,17 +1,19 @@
 """Threads that go through the phases of a kernel together."""
 
-import functools
-import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import taichi as ti
 
-from particlecli import runtime
+from particlecli import cores, runtime
 from particlecli.dynamics.memory import FieldMemory
 
 FEWEST = 64
 """Packs for each member of a team, at least: fewer take no longer than it takes to wake a thread."""
+
+MOST = runtime.COMPILED_FOR
+"""Members at most. Loops over them ask for so many threads, or Taichi starts as many as the machine had cores when it
+compiled the kernel: to wait for one that is not started is to wait for ever."""
 
 INTERRUPTIONS, ALONE = 8, 100
 """Cores that others want are taken from members at work: if that happens oftener than so many times in a launch, one
@@ -26,13 +28,15 @@ class Team:
     woken once for many phases:
 
         self.team.gather()
-        ti.loop_config(block_dim=1)
+        ti.loop_config(block_dim=1, parallelize=MOST)
         for member in range(members):
             ...
             self.team.meet(members)
             ...
 
-    Members keep their cores busy while they wait, and never are more than there are threads, or cores.
+    Members keep their cores busy while they wait, and never are more than there are threads, or cores; with as many
+    threads as cores each has its own, for the system often puts threads that it wakes for short work on the same. On
+    systems other than Linux, where that cannot be asked for, one member does it all.
 
     Args:
         memory: of the system.
@@ -40,20 +44,27 @@ class Team:
 
     def __init__(self, memory: FieldMemory) -> None:
         self.arrivals = memory.table(ti.i32, [0])
-        self._alone, self._settled = 0, functools.cache(runtime.settle)
+        self._alone, self._settled = 0, False
 
     @contextmanager
     def working(self, packs: int) -> Iterator[int]:
         """How many share so many packs in a launch, which is made within; one if others want the cores as well."""
-        most = min(runtime.threads(), runtime.cores(), packs // FEWEST)
-        if most < 2 or self._alone > 0 or not self._settled():
+        most = min(runtime.threads(), cores.usable(), MOST, packs // FEWEST)
+        if most < 2 or self._alone > 0 or not cores.known():
             self._alone -= 1
             yield 1
             return
-        before = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
+        self._settle()
+        before = cores.interruptions()
         yield most
-        if resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - before > INTERRUPTIONS:
+        if cores.interruptions() - before > INTERRUPTIONS:
             self._alone = ALONE
+
+    def _settle(self) -> None:
+        """Let no two threads wait for each other on the same core, where there is none to spare."""
+        if not self._settled and runtime.threads() >= cores.usable():
+            cores.spread(runtime.workers())
+        self._settled = True
 
     @ti.func
     def gather(self):
