@@ -136,9 +136,8 @@ class Krylov:
             if begun == 0:
                 self._set_up(i, first, last, time, factor)
                 self.team.meet(members)
-                if ti.static(self.bodies.count > 0):
-                    if anew == 1:
-                        self.bodies.refresh(member, members)
+                if anew == 1:
+                    self.bodies.refresh(member, members)
             left, found, state, iteration = self.numbers[RESIDUAL], self.numbers[FOUND], GOING, 0
             if begun == 0:
                 left, found = 0.0, 0.0

@@ -16,8 +16,8 @@ class NewtonEquations:
     """(M − h a D − h² a² K) δ = M (f − k), where K = ∂F/∂x and D = ∂F/∂v, for the change δ of the accelerations k.
 
     k are those of all particles at a stage whose position is x + … + h² a² k and whose velocity is v + … + h a k.
-    The matrix is never put together: forces apply theirs to a vector. What would make it indefinite is left out, so that
-    conjugate gradients converge; Newton's method then needs an iteration or two more and has the same solution.
+    The matrix is never put together: forces apply theirs to a vector. What would make it indefinite is left out, so
+    that conjugate gradients converge; Newton's method then needs an iteration or two more and has the same solution.
 
     Args:
         step: what a pack does in a step, by stages that are implicit.

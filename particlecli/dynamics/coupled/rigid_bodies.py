@@ -44,7 +44,22 @@ class RigidBodies:
 
     @ti.func
     def refresh(self, member, members):
-        """Put the equations of the bodies together and factorize them, for particles and springs as they are now."""
+        """Put the equations of the bodies, if any, together and factorize them, for particles and springs as they are."""
+        if ti.static(self.count > 0):
+            self._assemble(member, members)
+            self.team.meet(members)
+            branch = member
+            while branch < self.factor.branches:
+                for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
+                    self.factor.eliminate(k)
+                branch += members
+            self.team.meet(members)
+            if member == 0:
+                for k in range(self.factor.trunk, self.count):
+                    self.factor.eliminate(k)
+
+    @ti.func
+    def _assemble(self, member, members):
         first, last = self.team.share(member, members, self.count)
         for body in range(first, last):
             self.equations.center(body)
@@ -57,16 +72,6 @@ class RigidBodies:
         while block < self.count + self.factor.blocks:
             self.equations.assemble(self.factor.values, block)
             block += members
-        self.team.meet(members)
-        branch = member
-        while branch < self.factor.branches:
-            for k in range(self.factor.firsts[branch], self.factor.firsts[branch + 1]):
-                self.factor.eliminate(k)
-            branch += members
-        self.team.meet(members)
-        if member == 0:
-            for k in range(self.factor.trunk, self.count):
-                self.factor.eliminate(k)
 
     @ti.func
     def solve(self, member, members):
