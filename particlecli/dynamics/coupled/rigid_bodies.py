@@ -44,7 +44,7 @@ class RigidBodies:
 
     @ti.func
     def refresh(self, member, members):
-        """Put the equations of the bodies, if any, together and factorize them, for particles and springs as they are."""
+        """Put the equations of the bodies together and factorize them, for particles and springs as they are."""
         if ti.static(self.count > 0):
             self._assemble(member, members)
             self.team.meet(members)
