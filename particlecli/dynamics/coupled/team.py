@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
 import taichi as ti
 
 from particlecli import cores, runtime
@@ -43,7 +44,7 @@ class Team:
     """
 
     def __init__(self, memory: FieldMemory) -> None:
-        self.arrivals = memory.table(ti.i32, [0])
+        self.arrivals = memory.table(ti.i32, np.zeros(1, np.int32))
         self._alone, self._settled = 0, False
 
     @contextmanager
