@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from particlecli.dynamics.coupled import newton
+from particlecli import cores
+from particlecli.dynamics.coupled import newton, team
 from particlecli.errors import SimulationError
 from tests.benchmarks import cloth as fine
 from tests.dynamics.scenes import system
@@ -129,9 +130,31 @@ def test_a_stiff_cloth_is_stable_far_beyond_the_explicit_limit(stiff):
     assert np.abs(states[:, :3]).max() < 2.4
 
 
+@pytest.fixture
+def cooperation(monkeypatch):
+    """Lets as many members as are asked for share the smallest system, whoever else wants the cores."""
+    monkeypatch.setattr(team, "FEWEST", 1)
+    monkeypatch.setattr(team, "INTERRUPTIONS", 10**9)
+
+    def together(members):
+        monkeypatch.setattr(cores, "usable", lambda: members)
+
+    return together
+
+
+@pytest.mark.skipif(not cores.known(), reason="nobody cooperates")
+def test_same_bits_for_any_number_of_members(slack, cooperation):
+    ends = []
+    for members in (1, 2):
+        cooperation(members)
+        ends.append(end(slack, 20))
+    np.testing.assert_array_equal(*ends)
+
+
 @pytest.mark.slow
-def test_same_bits_for_any_number_of_threads(stiff):
+def test_same_bits_for_any_number_of_threads(stiff, cooperation):
     for threads in (1, 3):
+        cooperation(threads)
         np.testing.assert_array_equal(swung(threads)[0], stiff[0])
 
 

@@ -8,7 +8,6 @@ from particlecli import cores, runtime
 from particlecli.dynamics.coupled import team
 from particlecli.dynamics.coupled.team import Team
 from particlecli.dynamics.memory import FieldMemory
-from tests.dynamics.coupled.test_implicit import cloth
 
 PHASES, PLACES = 40, 7
 
@@ -82,19 +81,3 @@ def test_one_works_alone_where_there_is_little_to_do_and_while_others_want_the_c
     assert [working(pair, many, 0, monkeypatch) for _ in range(team.ALONE + 1)] == [1] * team.ALONE + [2]
     monkeypatch.setattr(cores, "usable", lambda: 1)
     assert working(pair, many, 0, monkeypatch) == 1
-
-
-@pytest.mark.skipif(not cores.known(), reason="threads are not told of")
-def test_an_implicit_step_has_the_same_bits_by_any_number_of_members(monkeypatch):
-    monkeypatch.setattr(team, "FEWEST", 1)
-    monkeypatch.setattr(team, "INTERRUPTIONS", 10**9)
-    found = cloth("implicit_euler", 4e7, threads=3, counts=12)
-    states = []
-    for members in (1, 2, 3):
-        monkeypatch.setattr(cores, "usable", lambda members=members: members)
-        found.restart()
-        for step in range(2):
-            found.advance((step + 1) / 120)
-        states.append(found.get_state())
-    for state in states[1:]:
-        np.testing.assert_array_equal(state, states[0])
