@@ -74,6 +74,7 @@ class Judge:
     Attributes:
         unknown: share of all that was flown of which nothing can be told: there the motion magnifies rounding.
         evaluations: of the first reference, for each particle and frame.
+        spoilt: error of the first reference, at the smallest tolerance, where chaos magnifies its rounding; else 0.
     """
 
     def __init__(self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms) -> None:
@@ -82,8 +83,9 @@ class Judge:
         self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
         alive = known = 0
         self.evaluations = 0.0
-        self._blind = False
-        self._references = []
+        self._blind, self._magnified = False, False
+        self._firsts: list[Flight] = []
+        self._references: list[_Reference] = []
         for pilot in pilots:
             positions, apart, rate = self._best(pilot)
             flown = int((~np.isnan(positions[:, :, 0])).sum())
@@ -94,6 +96,7 @@ class Judge:
             alive, known = alive + flown, known + sure
             self._references.append(_Reference(positions, self._growth(pilot, positions, apart, rate), rate > 0.0))
         self.unknown = 1.0 - known / alive if alive else 0.0
+        self.spoilt = self.error(self._firsts) if self._magnified else 0.0
 
     def error(self, flights: Sequence[Flight]) -> float:
         """Of 95 in 100 particles of the group that is furthest off, at the worst time, in the unit asked for."""
@@ -117,11 +120,13 @@ class Judge:
         tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
         first = pilot.fly(judge, tolerance=tolerance)
         self.evaluations = max(self.evaluations, first.evaluations)
+        self._firsts.append(first)
         rate = self._rate(pilot, first.positions)
         if self._terms.deepest[precision] >= tolerance:
             even, steps = SCHEMES[UNCHOSEN], first.evaluations / SCHEMES[UNCHOSEN].evaluations
             times = CHAOTIC if rate else SECOND
             best, other = first.positions, pilot.fly(even, steps=math.ceil(times * steps)).positions
+            self._magnified |= rate > 0.0
             if rate:
                 best, other = other, pilot.fly(even, steps=math.ceil(steps)).positions
             return best.copy(), self._in_unit(best, _apart(other, best)), rate

@@ -17,6 +17,7 @@ from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
 from particlecli.render.camera import View, on_picture
 from particlecli.runtime import Precision, start
+from particlecli.scene.forces import SoftSphere
 from particlecli.scene.integrator import ADAPTIVE, Scheme
 from particlecli.scene.model import Scene
 
@@ -26,6 +27,10 @@ MOST = 1500
 REFERENCES, SHARES = (1e-8, 1e-10), (1e-3, 1e-5)
 """Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from, m; and
 where particles act on each other, in parts of the error asked for, if that is more."""
+
+EVEN = (1000, 4000)
+"""Steps a frame of the two solutions where grains remember contacts: that changes at the ends of steps, so that steps
+that are chosen by their error become ever shorter, and the solution is the limit of equal ones."""
 
 UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
@@ -60,8 +65,10 @@ class Court:
             group.name: np.arange(group.births.total) if group.coupled else chosen(group.births, MOST)
             for group in plan.groups
         }
-        trial = self.trial("dop853", "double")
-        rough, fine = (trial.run(Pace(tolerance=tolerance)).tracks for tolerance in self._tolerances())
+        sticky = any(isinstance(force, SoftSphere) and force.friction > 0.0 for force in scene.forces)
+        trial = self.trial("symplectic_euler" if sticky else "dop853", "double")
+        paces = map(Pace, EVEN) if sticky else (Pace(tolerance=each) for each in self._tolerances())
+        rough, fine = (trial.run(pace).tracks for pace in paces)
         self.particle_frames = max(1, sum(int(track.alive.sum()) for track in fine.values()))
         self._reference = self._known(rough, fine)
 
