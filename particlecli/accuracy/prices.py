@@ -1,6 +1,6 @@
 """What a run costs, counted from what it does and never timed: the same for the same scene on every machine.
 
-In seconds of one core of the machine that the numbers were measured on (Xeon, 2.1 GHz, AVX-512; `python -m
+In seconds of one core of the machine that the numbers were measured on (EPYC, AVX2; `python -m
 tests.benchmarks estimate` shows what comes of them). What is carried again for an estimate is rather priced too high,
 and what the run makes besides too low; only their ratio counts.
 """
