@@ -97,11 +97,13 @@ def bodies(graph: Graph, positions: Doubles, free: NDArray[np.bool_]) -> tuple[I
 
 def _held_together(graph: Graph) -> list[Indices]:
     """The particles of each part that strong links hold together, of those that are joined at all."""
+    if not len(graph.pairs):
+        return []
     links = graph.matrix()
     joined = np.flatnonzero(np.diff(links.indptr) > 0)
     labels = connected_components(_strong(links), directed=False)[1][joined]
     order = np.argsort(labels, kind="stable")
-    return np.split(joined[order], np.flatnonzero(np.diff(labels[order])) + 1) if len(joined) else []
+    return np.split(joined[order], np.flatnonzero(np.diff(labels[order])) + 1)
 
 
 def _strong(links: csr_array) -> csr_array:

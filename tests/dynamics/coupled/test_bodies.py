@@ -39,6 +39,14 @@ def test_bodies_are_joined_parts_of_a_cloth_that_move_and_few_enough():
     assert len(np.unique(pieces[free])) == elimination.count
 
 
+@pytest.mark.parametrize("count", [0, 5])
+def test_without_springs_there_are_no_bodies(count):
+    alone = Graph(count, np.empty((0, 2), np.int64), np.empty(0))
+    owners, elimination = bodies(alone, np.zeros((count, 3)), np.ones(count, bool))
+    assert elimination.count == 0
+    assert (owners == -1).all()
+
+
 @pytest.mark.parametrize("count", [2, 7, 40])
 def test_chains_do_not_share_bodies(count):
     links = np.arange(count - 1)[:, None] + [0, 1]

@@ -80,6 +80,26 @@ def test_other_schemes_have_their_order_too(scheme, order, counts):
     assert measured_order(found, counts) == pytest.approx(order, abs=0.2)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("scheme", "order"), [("implicit_euler", 1), ("implicit_midpoint", 2), ("tr_bdf2", 2)])
+def test_forces_that_do_not_tell_how_they_change_are_solved_for_as_well(scheme, order):
+    """Two stars that go around each other in 2 s, at a distance of 1 m."""
+    speed = 0.5 * math.pi
+    stars = {"mass": 0.5, "positions": [[0.5, 0, 0], [-0.5, 0, 0]], "velocities": [[0, speed, 0], [0, -speed, 0]]}
+    found = system(
+        2,
+        fps=1000,
+        particles={"stars": stars},
+        forces=[{"type": "attraction", "strength": math.pi**2, "softening": 0}],
+        integrator={"type": scheme, "dt": 1 / 1000},
+        precision="double",
+    )
+    counts = np.array([200, 300, 450, 600])
+    ends = np.stack([end(found, steps) for steps in counts])
+    errors = np.abs(ends - [0, 0, 0.5, -0.5, 0, 0]).max(axis=1)
+    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(order, abs=0.2)
+
+
 def test_a_step_cut_in_two_arrives_all_the_same(slack, monkeypatch):
     whole = end(slack, 4, duration=0.1)
     monkeypatch.setattr(newton.Newton, "_solve", _refuse_long(newton.Newton._solve))
