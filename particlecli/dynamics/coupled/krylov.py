@@ -132,50 +132,60 @@ class Krylov:
         self.team.gather()
         ti.loop_config(block_dim=1, parallelize=MOST)
         for member in range(members):
-            first, last = self.team.share(member, members, packs)
             if begun == 0:
-                self._set_up(i, first, last, time, factor)
-                self.team.meet(members)
+                self._set_up(i, member, members, packs, time, factor)
                 if anew == 1:
                     self.bodies.refresh(member, members)
-            left, found, state, iteration = self.numbers[RESIDUAL], self.numbers[FOUND], GOING, 0
-            if begun == 0:
-                left, found = 0.0, 0.0
-            while (state == GOING) & (iteration < AT_ONCE):
-                step, old = ti.cast(0.0, ti.f64), left
-                if (begun == 1) | (iteration > 0):
-                    for b in range(first, last):
-                        self._multiply(b)
-                    self.team.meet(members)
-                    # Every member takes the sums, which is sooner done than told.
-                    total = self._total(self.others, packs)
-                    step = ti.select(total > 0.0, old / total, 0.0)
-                    found += step**2 * total
-                left = self._precondition(member, members, packs, step)
-                self._turn(first, last, step, ti.select(old > 0.0, left / old, 0.0))
-                self.team.meet(members)
-                at_once = (begun == 0) & (iteration == 0)
-                state = self._state(left, ti.select(at_once, enough, forcing**2 * found), at_once)
-                iteration += 1
+            state = self._search(member, members, packs, begun, forcing, enough)
+            first, last = self.team.share(member, members, packs)
             if state == CHANGED:
                 for b in range(first, last):
                     self.parts[b] = self.equations.take(i, b)
                     self._approach(i, b, beginning, length)
             self.team.meet(members)
             if member == 0:
-                self.numbers[RESIDUAL], self.numbers[FOUND], self.numbers[STATE] = left, found, state
+                self.numbers[STATE] = state
                 self.numbers[SIZE] = self._total(self.parts, packs)
                 self.numbers[ROUNDING] = self._total(self.equations.rounding, packs)
 
     @ti.func
-    def _set_up(self, i, first, last, time, factor):
-        """Newton's equations of some packs, with no direction yet."""
+    def _set_up(self, i, member, members, packs, time, factor):
+        """Newton's equations, with no direction yet."""
+        first, last = self.team.share(member, members, packs)
         for b in range(first, last):
             t, s, by = ti.cast(time, self.real), ti.cast(factor, self.real), ti.cast(factor**2, self.real)
             self.equations.linearize(i, b, t, by, s)
             for c in ti.static(range(3)):
                 self.direction[c, b] = 0.0 * self.points.mass[b]
                 self.image[c, b] = 0.0 * self.points.mass[b]
+        self.team.meet(members)
+
+    @ti.func
+    def _search(self, member, members, packs, begun, forcing, enough):
+        """Conjugate gradients, to their end or for a while; returns how far they are."""
+        first, last = self.team.share(member, members, packs)
+        left, found, state, iteration = self.numbers[RESIDUAL], self.numbers[FOUND], GOING, 0
+        if begun == 0:
+            left, found = 0.0, 0.0
+        while (state == GOING) & (iteration < AT_ONCE):
+            step, old = ti.cast(0.0, ti.f64), left
+            at_once = (begun == 0) & (iteration == 0)
+            if not at_once:
+                for b in range(first, last):
+                    self._multiply(b)
+                self.team.meet(members)
+                # Every member takes the sums, which is sooner done than told.
+                total = self._total(self.others, packs)
+                step = ti.select(total > 0.0, old / total, 0.0)
+                found += step**2 * total
+            left = self._precondition(member, members, packs, step)
+            self._turn(first, last, step, ti.select(old > 0.0, left / old, 0.0))
+            self.team.meet(members)
+            state = self._state(left, ti.select(at_once, enough, forcing**2 * found), at_once)
+            iteration += 1
+        if member == 0:
+            self.numbers[RESIDUAL], self.numbers[FOUND] = left, found
+        return state
 
     @ti.func
     def _multiply(self, b):
