@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 SCENE = """
 duration: 0.1
@@ -88,6 +89,7 @@ def test_a_scene_simulated_again_finds_its_kernels_unless_the_first_is_still_in_
     assert 0 < counts[0] == counts[1] < counts[2]
 
 
+@pytest.mark.slow
 def test_kernels_compiled_with_all_passes_compute_the_same_bits(tmp_path: Path) -> None:
     (tmp_path / "sparks.yaml").write_text(SPARKS)
     run(tmp_path / "sparks.yaml", "fast")

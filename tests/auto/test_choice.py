@@ -112,6 +112,7 @@ def test_nothing_moves_nothing_is_flown():
 PAIR = {"pair": {"positions": [[0, 0, 0], [1, 0, 0]], "velocities": [[0, -0.7, 0], [0, 0.7, 0]], "masses": [1, 1]}}
 
 
+@pytest.mark.slow
 def test_particles_that_act_on_each_other_are_flown_as_a_whole():
     orbits = {
         "particles": PAIR,

@@ -123,6 +123,27 @@ def test_a_solve_that_fails_cuts_the_step_and_then_stops_the_run(slack, monkeypa
         slack.advance(0.1)
 
 
+@pytest.fixture
+def cooperation(monkeypatch):
+    """Lets as many members as are asked for share the smallest system, whoever else wants the cores."""
+    monkeypatch.setattr(team, "FEWEST", 1)
+    monkeypatch.setattr(team, "INTERRUPTIONS", 10**9)
+
+    def together(members):
+        monkeypatch.setattr(cores, "usable", lambda: members)
+
+    return together
+
+
+@pytest.mark.skipif(not cores.known(), reason="nobody cooperates")
+def test_same_bits_for_any_number_of_members(slack, cooperation):
+    ends = []
+    for members in (1, 2):
+        cooperation(members)
+        ends.append(end(slack, 20))
+    np.testing.assert_array_equal(*ends)
+
+
 def swung(threads):
     """The state and the energy, J, after each of 40 steps of 1/120 s.
 
@@ -148,27 +169,6 @@ def test_a_stiff_cloth_is_stable_far_beyond_the_explicit_limit(stiff):
     assert max(energies) <= 1e-3
     assert energies[-1] < -0.1
     assert np.abs(states[:, :3]).max() < 2.4
-
-
-@pytest.fixture
-def cooperation(monkeypatch):
-    """Lets as many members as are asked for share the smallest system, whoever else wants the cores."""
-    monkeypatch.setattr(team, "FEWEST", 1)
-    monkeypatch.setattr(team, "INTERRUPTIONS", 10**9)
-
-    def together(members):
-        monkeypatch.setattr(cores, "usable", lambda: members)
-
-    return together
-
-
-@pytest.mark.skipif(not cores.known(), reason="nobody cooperates")
-def test_same_bits_for_any_number_of_members(slack, cooperation):
-    ends = []
-    for members in (1, 2):
-        cooperation(members)
-        ends.append(end(slack, 20))
-    np.testing.assert_array_equal(*ends)
 
 
 @pytest.mark.slow
@@ -251,6 +251,7 @@ ROUNDING = 2e-5
 9e-6 J before a step and after it."""
 
 
+@pytest.mark.slow
 def test_straight_strands_that_hardly_feel_a_turn_about_themselves_hang_in_single_precision():
     found = system(
         2,

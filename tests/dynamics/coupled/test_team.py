@@ -49,7 +49,7 @@ def test_members_wait_for_each_other():
     runtime.start("single", 3)
     chain = Chain()
     for members in (1, 2, 3):
-        for _ in range(10):
+        for _ in range(3):
             chain.view.array[...] = 0
             chain.run(members)
             np.testing.assert_array_equal(chain.view.array[PHASES % 2], expected())
