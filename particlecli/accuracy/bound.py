@@ -17,7 +17,7 @@ from particlecli.accuracy.samples import (
     Comparison,
     Sample,
     nowhere,
-    ratio_of,
+    ratio_in_frames,
     tighter,
     work_of,
 )
@@ -94,8 +94,7 @@ class Together(Carrier):
 
     def ratio(self, refinement: int) -> float:
         """How many times as long the longer steps are, of the run's own and of refined ones."""
-        steps = self._system.plan.steps_per_frame
-        return ratio_of(steps, max(1, round(steps * 2.0**refinement)))
+        return ratio_in_frames(self._system.plan.steps_per_frame, refinement)
 
     def again(self, refinement: int, times: Doubles) -> dict[str, Repeated]:
         """By group, the particles at these times, s; not finite any more, none is there."""

@@ -193,6 +193,11 @@ def ratio_of(steps: float, others: float) -> float:
     return max(steps, others) / min(steps, others)
 
 
+def ratio_in_frames(steps: int, refinement: int) -> float:
+    """The same of runs of so many steps a frame, and of others refined so many times or, if negative, coarser."""
+    return ratio_of(steps, max(1, round(steps * 2.0**refinement)))
+
+
 def work_of(plan: GroupPlan, refinement: int) -> float:
     """How many times as much work a refined solution is."""
     if plan.adaptive:

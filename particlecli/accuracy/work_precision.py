@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from particlecli import runtime
+from particlecli import cores, runtime
 from particlecli.accuracy.converged import converged
 from particlecli.accuracy.curves import WorkPrecision, on_floor
 from particlecli.accuracy.peers import PEERS, TOLERANCES, GaveUp, Peer, why_not
@@ -143,7 +142,7 @@ class _Bench:
             reference=self._reference,
             runs=tuple(runs),
             no_peers=no_peers,
-            threads=study.threads or os.cpu_count() or 1,
+            threads=study.threads or cores.usable(),
             frames_of=total,
             left_out=tuple(self._left_out),
             seconds=time.perf_counter() - self._began,
