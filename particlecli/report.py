@@ -55,7 +55,7 @@ class Report:
         births: by group.
         deaths: by group and cause.
         estimated_error: of positions, by group, see `GroupError`; a group of which nothing was compared is not there.
-        not_estimated: groups of which that would have cost too large a share of the run.
+        not_estimated: groups of which that would have cost too large a share of the run, or that are too many together.
         impacts: by group that meets planes: "located" at their instants, or at the "end_of_step".
         conserved: by quantity that the forces between particles keep, how far it drifted, see `Conserved`.
         particle_steps: steps taken, summed over all particles.

@@ -70,7 +70,8 @@ class ErrorEstimate:
         spent: price of other estimates, s.
 
     Attributes:
-        left_out: in the end, groups of which an estimate would be too dear: also where it was begun and came to no end.
+        left_out: in the end, groups of which an estimate would be too dear, also where it was begun and came to no end;
+            and those that are too many together.
     """
 
     def __init__(
@@ -112,8 +113,15 @@ class ErrorEstimate:
         counts = np.diff([0, *self._frames]) * self._simulation.plan.steps_per_frame
         checkpoints = _Checkpoints(self._frames, times, counts, [self._view_at(time) for time in times.tolist()])
         estimates = {name: _compared(sample, checkpoints) for name, sample in self._samples.items()}
-        self.left_out += tuple(name for name, sample in self._samples.items() if sample.carrier.comparison is None)
+        self.left_out = tuple(name for name, sample in self._samples.items() if sample.carrier.comparison is None)
+        self.left_out += self._too_many()
         return {name: estimate for name, estimate in estimates.items() if estimate is not None}
+
+    def _too_many(self) -> tuple[str, ...]:
+        """Groups of particles that act on each other of which there is no sample."""
+        groups = self._simulation.system.groups.items() if self._frames else ()
+        bound = (name for name, group in groups if group.plan.coupled and group.plan.births.total)
+        return tuple(name for name in bound if name not in self._samples)
 
     def _budget(self) -> None:
         """Grant each sample its share, the cheapest ones first, which leave the others what they do not need."""

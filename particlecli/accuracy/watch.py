@@ -17,7 +17,7 @@ class Accuracy:
 
     Attributes:
         errors: by group, the estimated ones.
-        left_out: groups of which an estimate would have been too dear.
+        left_out: groups of which an estimate would have been too dear, or that are too many together.
         drifts: by quantity that the forces between particles keep, how far it drifted.
     """
 

@@ -70,8 +70,12 @@ def _errors(report: Report) -> list[str]:
     errors = report.estimated_error
     lines = ["  error: estimated from a sample carried again in other steps; of 95 in 100 particles"] if errors else []
     if report.not_estimated:
-        names = ", ".join(report.not_estimated)
-        lines.append(f"  error not estimated: {names}: more than 5 % of this run; --estimate does it at any cost")
+        from particlecli.accuracy.bound import MOST_TOGETHER
+
+        lines.append(
+            f"  error not estimated: {', '.join(report.not_estimated)}: more than 5 % of this run; "
+            f"--estimate does it at any cost, but for over {MOST_TOGETHER:,} particles that act on each other"
+        )
     for trend, meaning in DOUBTS.items():
         names = ", ".join(name for name, error in errors.items() if error.trend == trend)
         if names:

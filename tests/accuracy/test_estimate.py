@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from particlecli.accuracy import bound
 from particlecli.accuracy.bound import Together
 from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.prices import Besides
@@ -307,6 +308,12 @@ def unpaid(described, besides):
 def test_what_cannot_be_paid_for_is_left_out_and_named():
     described = load_scene(PROBLEMS / "kepler.yaml", ["integrator={type: rk4, dt: 0.0001}"])
     assert unpaid(described, NOTHING_ELSE) == ({}, ("planet",))
+
+
+def test_too_many_together_are_named(monkeypatch):
+    monkeypatch.setattr(bound, "MOST_TOGETHER", 2)
+    described = load_scene(PROBLEMS / "figure_eight.yaml")
+    assert unpaid(described, Besides()) == ({}, ("stars",))
 
 
 def test_an_adaptive_scheme_that_takes_more_than_foreseen_is_stopped():
