@@ -2,84 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from particlecli.accuracy import bound
-from particlecli.accuracy.bound import Together
-from particlecli.accuracy.estimate import ErrorEstimate
-from particlecli.accuracy.prices import Besides
-from particlecli.accuracy.samples import COARSER, FINER, Sample
-from particlecli.accuracy.trial import Pace, Trial, trial_plan
+from particlecli.accuracy.samples import COARSER, Sample
 from particlecli.dynamics.rerun import Stretch, rerun
-from particlecli.render.camera import View
-from particlecli.runtime import start
 from particlecli.scene.load import load_scene
-from particlecli.simulate import Simulation
+from tests.accuracy.estimating import CALIBRATION, MORE, PROBLEMS, WITHIN, estimated, true_size, truth, view_of
 from tests.cases import later
 from tests.dynamics.scenes import body, scene
-
-PROBLEMS = Path(__file__).parents[2] / "scenes" / "reference"
-WITHIN = 3.0
-"""The factor within which an estimate is to be right."""
-
-
-def view_of(described):
-    return View.of(described.camera, *described.camera.resolution)
-
-
-def estimated(described, threads=1, besides=None):
-    """The estimate of a run, and its record of all particles at all frames."""
-    simulation = Simulation(described, threads=threads)
-    estimate = ErrorEstimate(simulation, lambda _: view_of(described), besides)
-    frames = []
-    for frame in simulation:
-        estimate.watch(frame)
-        frames.append(frame)
-    return estimate.result(), frames, simulation
-
-
-def truth(described):
-    """Where all particles are at all frames, as well as double precision tells."""
-    located = described.integrator.model_copy(update={"contact": "located"})
-    start("double", 1)
-    plan = trial_plan(described.model_copy(update={"integrator": located}), "dop853", "double", 10**6)
-    ids = {group.name: np.arange(group.births.total) for group in plan.groups}
-    return Trial(plan, ids, measures_energy=False).run(Pace(tolerance=1e-13)).tracks
-
-
-def true_size(frames, tracks, name):
-    """The 95th percentile over particles and frames."""
-    apart = []
-    for frame in frames[1:]:
-        group = frame.groups[name]
-        apart.append(np.linalg.norm(group.positions - tracks[name].positions[frame.index, group.ids], axis=1))
-    together = np.concatenate(apart)
-    return np.quantile(together[~np.isnan(together)], 0.95)
-
-
-CALIBRATION = [
-    # a problem, how it is integrated
-    ("kepler", "integrator={type: rk4, dt: 0.002}"),
-    ("bouncing_ball", "integrator.contact=end_of_step"),
-]
-
-MORE = [
-    ("figure_eight", "integrator={type: velocity_verlet, dt: 0.002}"),
-    ("kepler", "integrator={type: velocity_verlet, dt: 0.0005}"),
-    ("linear_drag", "integrator.type=euler"),
-    ("kepler", "integrator={type: dormand_prince, tolerance: 1e-6}"),
-    ("double_gyre", "integrator={type: rk3, dt: 0.1}"),
-    ("flat_slide", "integrator.contact=end_of_step"),
-    ("damped_oscillator", "integrator={type: trapezoidal, dt: 0.01}"),
-    ("henon_heiles", "integrator={type: yoshida4, dt: 0.1}"),
-    ("arenstorf", "integrator.tolerance=1e-9"),
-    ("abc_flow", "integrator.type=midpoint"),
-    ("spring_pendulum_1e4", "integrator={type: implicit_midpoint, dt: 0.01}"),
-    ("quadratic_drag", "integrator={type: rk4, dt: 0.02}"),
-]
 
 
 @pytest.mark.parametrize(("name", "change"), [*CALIBRATION, *later(*MORE)])
@@ -237,85 +168,3 @@ def test_nothing_acts_nothing_errs_but_the_last_digit():
 
 def test_there_is_nothing_to_estimate_in_a_single_frame():
     assert estimated(scene(duration=0.01, particles={"stones": body((3, 0, 0), (1, 0, 0))}))[0] == {}
-
-
-NOTHING_ELSE = Besides(0.0)
-"""Of a run that makes neither pictures nor records."""
-
-
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [
-        ("kepler", "integrator={type: rk4, dt: 0.001}"),
-        *later(
-            ("figure_eight", "integrator={type: rk4, dt: 0.002}"),
-            ("figure_eight", "integrator={type: velocity_verlet, dt: 0.0011}"),
-        ),
-    ],
-)
-def test_what_little_pays_for_is_compared_with_longer_steps(name, change):
-    described = load_scene(PROBLEMS / f"{name}.yaml", [change])
-    tracks = truth(described)
-    errors, frames, _ = estimated(described, besides=NOTHING_ELSE)
-    (group, error), *_ = errors.items()
-    true = true_size(frames, tracks, group)
-    assert error.trend == "converging"
-    assert true / WITHIN < error.metres.p95 < WITHIN * true
-    finer, _, _ = estimated(described)
-    assert finer[group] != error
-
-
-BOUNCES = ("bouncing_ball", "integrator.contact=end_of_step")
-"""Where it bounces leaps from step to step: no longer step tells what a shorter one does."""
-
-
-@pytest.mark.parametrize(("name", "change"), later(*CALIBRATION, *MORE))
-def test_longer_steps_are_near_the_true_error_as_well(name, change, monkeypatch):
-    monkeypatch.setattr(Sample, "comparisons", lambda sample: [FINER if sample.group.plan.adaptive else COARSER])
-    monkeypatch.setattr(Together, "comparisons", lambda _: [COARSER])
-    described = load_scene(PROBLEMS / f"{name}.yaml", [change])
-    tracks = truth(described)
-    errors, frames, _ = estimated(described)
-    for group, error in errors.items():
-        if (name, change) == BOUNCES:
-            assert error.trend == "unsettled"
-            continue
-        true = true_size(frames, tracks, group)
-        assert error.trend in ("converging", "irregular")
-        assert true / WITHIN < error.metres.p95 < WITHIN * true
-
-
-@pytest.mark.slow
-def test_longer_steps_that_blow_up_tell_nothing(monkeypatch):
-    monkeypatch.setattr(Together, "comparisons", lambda _: [COARSER])
-    stiff = {"a": {"positions": [[0, 0, 0], [1.01, 0, 0]]}}
-    springs = [{"type": "springs", "stiffness": 5e3, "pairs": [[0, 1]], "rest_length": "1"}]
-    described = scene(
-        duration=10, fps=10, particles=stiff, forces=springs, integrator={"type": "velocity_verlet", "dt": 0.0125}
-    )
-    assert unpaid(described, Besides()) == ({}, ("a",))
-
-
-def unpaid(described, besides):
-    """The estimate of a run, and which groups it leaves out."""
-    simulation = Simulation(described, threads=1)
-    estimate = ErrorEstimate(simulation, lambda _: view_of(described), besides)
-    for frame in simulation:
-        estimate.watch(frame)
-    return estimate.result(), estimate.left_out
-
-
-def test_what_cannot_be_paid_for_is_left_out_and_named():
-    described = load_scene(PROBLEMS / "kepler.yaml", ["integrator={type: rk4, dt: 0.0001}"])
-    assert unpaid(described, NOTHING_ELSE) == ({}, ("planet",))
-
-
-def test_too_many_together_are_named(monkeypatch):
-    monkeypatch.setattr(bound, "MOST_TOGETHER", 2)
-    described = load_scene(PROBLEMS / "figure_eight.yaml")
-    assert unpaid(described, Besides()) == ({}, ("stars",))
-
-
-def test_an_adaptive_scheme_that_takes_more_than_foreseen_is_stopped():
-    described = load_scene(PROBLEMS / "spring_pendulum_1e6.yaml", [])
-    assert unpaid(described, Besides(2.5)) == ({}, ("bob",))
