@@ -19,8 +19,9 @@ from particlecli.scene.forces import SoftSphere
 from particlecli.scene.integrator import ADAPTIVE, Integrator, Scheme
 from particlecli.scene.model import Scene
 
-MARGIN = 1.5
-"""The error of a pilot is to be so many times smaller than what is asked for: it stands for more than it has seen."""
+MARGIN, SEEN = 1.5, 1.2
+"""The error of a pilot is to be so many times smaller than what is asked for: it stands for more than it has seen; and
+where it has seen all particles until the end of the scene, as what it is measured from is not exact either."""
 
 MOST_SOLVED = 3_000
 """Evaluations in a row that a pilot may take where they belong to equations that are solved, launch by launch."""
@@ -85,6 +86,7 @@ class _Search:
         self._pilots = [pilot for pilot in pilots if pilot.moves]
         self._judge = Judge(scene, self._pilots, terms)
         self.unknown = self._judge.unknown
+        self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
         self._tightest = terms.deepest[scene.precision]
         self._stiff = False
@@ -98,7 +100,7 @@ class _Search:
         last = enough = None
         for each in self._adaptive(scheme) if scheme in ADAPTIVE else self._even(scheme):
             last = each
-            if not each.why and each.error is not None and each.error <= self.goal.size / MARGIN:
+            if not each.why and each.error is not None and each.error <= self.goal.size / self._margin:
                 enough = each
         if enough is not None:
             return self._judged(enough)
@@ -126,7 +128,7 @@ class _Search:
             error = self._error(lambda pilot, n=steps: pilot.fly(SCHEMES[scheme], steps=n))  # type: ignore[misc]
             self._stiff |= not error < EXPLODED * self.goal.size
             yield Tried(scheme, steps, None, error, price, "")
-            excess = error * MARGIN / self.goal.size
+            excess = error * self._margin / self.goal.size
             if excess > 1.0:
                 too_few = steps
             else:
@@ -170,7 +172,7 @@ class _Search:
 
     def _adaptive(self, scheme: Scheme) -> Iterator[Tried]:
         """Ever smaller tolerances, until they are small enough."""
-        if scheme == self._terms.judge and self._judge.spoilt * MARGIN > self.goal.size:
+        if scheme == self._terms.judge and self._judge.spoilt * self._margin > self.goal.size:
             price = self._cost(scheme, self._judge.evaluations / SCHEMES[scheme].evaluations)
             yield Tried(scheme, None, self._tightest, self._judge.spoilt, price, "")
             return
@@ -186,7 +188,7 @@ class _Search:
             price = self._cost(scheme, evaluations / SCHEMES[scheme].evaluations)
             dearer = self.best is not None and price >= self.best.cost
             yield Tried(scheme, None, tolerance, error, price, self._dearer(price) if dearer else "")
-            excess = error * MARGIN / self.goal.size
+            excess = error * self._margin / self.goal.size
             halves = max(1, math.floor(2.0 * math.log10(max(excess, 1.0)))) if math.isfinite(excess) else 2
             tolerance = float(f"{tolerance * 10.0 ** (-halves / 2):.1g}")
             if excess <= 1.0 or tolerance < self._tightest:

@@ -45,7 +45,7 @@ FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
 
 WINDOWS, ENOUGH = 8, 10
-"""Spans that the scene is cut into, of which the worst counts, and errors in one that tell something."""
+"""Spans that what was flown is cut into, of which the worst counts, and errors in one that tell something."""
 
 
 @dataclass(frozen=True)
@@ -177,10 +177,10 @@ def _apart(one: Doubles, other: Doubles) -> Doubles:
 
 
 def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
-    """The largest size over spans of the scene of errors at each frame after birth, shape (frames, n)."""
+    """The largest size over spans of what was flown of errors at each frame after birth, shape (frames, n)."""
     ages = np.arange(1, len(errors) + 1)[:, None]
     lives = (ages <= pilot.frames) & ~np.isnan(errors)
-    last = max(1.0, float(pilot.frames.max()) + pilot.first_frames.max())
+    last = max(1.0, float((np.minimum(pilot.frames, len(errors)) + pilot.first_frames).max()))
     windows = np.minimum(((pilot.first_frames + ages) / last * WINDOWS).astype(int), WINDOWS - 1)
     few = errors.shape[1] < FEW
     sizes = [_size(errors[lives & (windows == window)], few=few) for window in range(WINDOWS)]

@@ -60,7 +60,10 @@ class Pilot:
         first_frames: the same in frames.
         frames: how many frames each particle lives, shape (n,).
         flown: frames that are flown.
+        sees_all: that all particles are flown as the engine flies them; these are a sample, at the ground roughly.
     """
+
+    sees_all = False
 
     def __init__(
         self, plan: GroupPlan, probe: Flights, interval: float, until: float, table: BirthTable | None = None

@@ -19,7 +19,7 @@ from particlecli.scene.integrator import Integrator, Scheme
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
 
-WORK = 1e9
+WORK = 2.5e9
 """Pairs of particles that the flight which others are compared with may look at, about."""
 
 NEAR, FAR, NEIGHBOR = 300, 1000, 10
@@ -87,6 +87,11 @@ class WholePilot:
         self.frames = np.full(count, plan.scene.frame_count - 1)
         self._systems: dict[Scheme, System] = {}
         self._flights: dict[tuple[Scheme, int, float | None], Flight] = {}
+
+    @property
+    def sees_all(self) -> bool:
+        """Whether all of the scene is flown."""
+        return self.flown == self._scene.frame_count - 1
 
     def fly(self, scheme: AnyScheme, *, steps: int = 1, tolerance: float | None = None) -> Flight:
         """Fly with so many equal steps in a frame, or with an error tolerated in a step; the same flight only once.
