@@ -10,12 +10,11 @@ from particlecli.auto.judge import LOOSEST, Judge
 from particlecli.auto.outcome import Choice, Tried
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import ALONE, Terms
+from particlecli.auto.terms import ALONE, STEADY, Terms, remembers
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ClosedForm, ImplicitRungeKutta
 from particlecli.scene.checks import problems
-from particlecli.scene.forces import SoftSphere
 from particlecli.scene.integrator import ADAPTIVE, Integrator, Scheme
 from particlecli.scene.model import Scene
 
@@ -59,12 +58,11 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, saf
 def _fits(scene: Scene, scheme: Scheme, terms: Terms) -> bool:
     """Whether a scheme can run a scene, and pilots tell how.
 
-    What sliding does to first order only a run shows. Grains that remember contacts do so from step to step, so that
-    steps that are chosen by their error become ever shorter where grains touch, which pilots may not see.
+    What sliding does to first order only a run shows.
     """
     slides = terms is ALONE and SCHEMES[scheme].order == 1 and bool(scene.planes)
-    remembers = scheme in ADAPTIVE and any(isinstance(each, SoftSphere) and each.friction for each in scene.forces)
-    return not slides and not remembers and not problems(_with(scene, scheme))
+    suits = scheme == STEADY or not remembers(scene)
+    return suits and not slides and not problems(_with(scene, scheme))
 
 
 def _outdone(tried: Tried, best: Tried) -> Tried:
@@ -84,10 +82,11 @@ class _Search:
         self.best: Tried | None = None
         self._scene = scene
         self._pilots = [pilot for pilot in pilots if pilot.moves]
-        self._judge = Judge(scene, self._pilots, terms)
+        self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if remembers(scene) else None)
         self.unknown = self._judge.unknown
         self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
+        self._most = self._judge.most_evaluations
         self._tightest = terms.deepest[scene.precision]
         self._stiff = False
         self._told = 0.0
@@ -149,9 +148,7 @@ class _Search:
         return max(self._fewest(scheme), int(BEGUN * self._told / self._cost(scheme, 1)))
 
     def _fewest(self, scheme: Scheme) -> int:
-        """Steps a frame of the longest step that the scene allows and that is safe."""
-        longest = min(self._scene.integrator.dt or math.inf, self._safe.longest(SCHEMES[scheme]))
-        return max(1, math.ceil(1.0 / self._scene.fps / longest * (1.0 - 1e-9)))
+        return self._safe.fewest(SCHEMES[scheme], self._scene)
 
     def _affordable(self, scheme: Scheme) -> float:
         """Steps that cost less than the best so far."""
@@ -166,7 +163,7 @@ class _Search:
         if self.best is not None and price >= self.best.cost:
             return self._dearer(price)
         many = steps * evaluations * self._frames > (MOST_SOLVED if solves else self._terms.most_calls)
-        if many or (not solves and steps * evaluations > self._terms.most_of_judge * self._judge.evaluations):
+        if many or (not solves and steps * evaluations > self._most):
             return f"would need {steps} steps a frame or more"
         return "nothing here is stiff" if solves and self.best is not None and not self._stiff else ""
 

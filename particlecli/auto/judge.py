@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from particlecli.auto.growth import growth, growth_rate
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.steps import Doubles
-from particlecli.auto.terms import Terms
+from particlecli.auto.terms import STEADY, Terms
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.render.camera import View, on_picture
@@ -40,6 +40,9 @@ LEAST = 0.02
 SECOND, CHAOTIC = 2.0, 1.5
 """Evaluations of the second reference where no smaller tolerance makes one, in parts of the first. Where the motion is
 chaotic two with equal steps are the references: with as many evaluations as the first, and so many times more."""
+
+FINE, FINEST = 10, 20
+"""Steps of both references where grains remember contacts, in parts of the fewest safe ones."""
 
 FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
@@ -70,15 +73,19 @@ class Judge:
         scene: with `integrator.type: auto`.
         pilots: of its groups, all of which have something to fly for.
         terms: on which schemes are compared.
+        safe: the fewest safe steps in a frame of `STEADY`, where grains remember contacts.
 
     Attributes:
         unknown: share of all that was flown of which nothing can be told: there the motion magnifies rounding.
         evaluations: of the first reference, for each particle and frame.
+        most_evaluations: of equal steps that can be judged.
         spoilt: error of the first reference, at the smallest tolerance, where chaos magnifies its rounding; else 0.
     """
 
-    def __init__(self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms) -> None:
-        self._scene, self._pilots, self._terms = scene, pilots, terms
+    def __init__(
+        self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, safe: int | None = None
+    ) -> None:
+        self._scene, self._pilots, self._terms, self._safe = scene, pilots, terms, safe
         self._goal = scene.integrator.goal
         self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
         alive = known = 0
@@ -95,6 +102,7 @@ class Judge:
             self._blind |= sure < LEAST * flown
             alive, known = alive + flown, known + sure
             self._references.append(_Reference(positions, self._growth(pilot, positions, apart, rate), rate > 0.0))
+        self.most_evaluations = self.evaluations * (terms.most_of_judge if safe is None else 1.0)
         self.unknown = 1.0 - known / alive if alive else 0.0
         self.spoilt = self.error(self._firsts) if self._magnified else 0.0
 
@@ -116,6 +124,8 @@ class Judge:
         The other flight has a larger tolerance, or equal steps. In single precision chaos magnifies the rounding of
         adaptive steps too much, and both have equal steps.
         """
+        if self._safe is not None:
+            return self._steady(pilot, self._safe)
         judge, precision = SCHEMES[self._terms.judge], self._scene.precision
         tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
         first = pilot.fly(judge, tolerance=tolerance)
@@ -140,15 +150,25 @@ class Judge:
             before = best
         return best.copy(), apart, rate
 
+    def _steady(self, pilot: Pilot | WholePilot, safe: int) -> tuple[Doubles, Doubles, float]:
+        """The same of two flights with equal steps."""
+        first = pilot.fly(SCHEMES[STEADY], steps=FINE * safe)
+        best = pilot.fly(SCHEMES[STEADY], steps=FINEST * safe).positions
+        self.evaluations = max(self.evaluations, first.evaluations)
+        self._firsts.append(first)
+        return best.copy(), self._in_unit(best, _apart(first.positions, best)), 0.0
+
     def _rate(self, pilot: Pilot | WholePilot, reference: Doubles) -> float:
         """Of the exponential growth of errors, per frame, where a pilot flies for a few frames only; else 0."""
-        if isinstance(pilot, Pilot) or pilot.flown == pilot.frames.max():
+        if isinstance(pilot, Pilot) or pilot.sees_all:
             return 0.0
         rough = pilot.fly(SCHEMES[self._terms.judge], tolerance=LOOSEST).positions
         return growth_rate(_sizes(self._in_unit(reference, _apart(rough, reference))))
 
     def _growth(self, pilot: Pilot | WholePilot, reference: Doubles, apart: Doubles, rate: float) -> float:
-        """By how much errors grow after what was flown."""
+        """By how much errors grow after what was flown; collisions of grains leave nothing that could be told."""
+        if self._safe is not None:
+            return 1.0
         last = pilot.frames >= pilot.flown
         return growth(
             pilot.flown,

@@ -9,6 +9,7 @@ import numpy as np
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme, ClosedForm
 from particlecli.dynamics.plan import Plan
 from particlecli.scene.forces import SoftSphere, Springs
+from particlecli.scene.model import Scene
 from particlecli.stability.contacts import contact_modes
 from particlecli.stability.growth import stability_limit
 from particlecli.stability.modes import Modes
@@ -33,6 +34,11 @@ class SafeSteps:
 
             for group in groups.values():
                 self._modes = self._modes.joined(fastest_modes(group, plan.couplings))
+
+    def fewest(self, scheme: AnyScheme, scene: Scene) -> int:
+        """Steps in a frame of the longest step that is safe and that the scene allows."""
+        longest = min(scene.integrator.dt or math.inf, self.longest(scheme))
+        return max(1, math.ceil(1.0 / scene.fps / longest * (1.0 - 1e-9)))
 
     def longest(self, scheme: AnyScheme) -> float:
         """The longest, s; infinite where nothing is known to limit it, and for a scheme that finds its own."""

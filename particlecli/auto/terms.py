@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from particlecli.auto.costs import cost, cost_together
 from particlecli.dynamics.integrators.base import AnyScheme
 from particlecli.runtime import Precision
+from particlecli.scene.forces import SoftSphere
 from particlecli.scene.integrator import Scheme
+from particlecli.scene.model import Scene
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,19 @@ class Terms:
     cost: Callable[[AnyScheme, float], float]
     most_calls: int
     most_of_judge: float
+
+
+STEADY: Scheme = "symplectic_euler"
+"""The scheme for grains that remember contacts: the cheapest step."""
+
+
+def remembers(scene: Scene) -> bool:
+    """Whether grains remember contacts.
+
+    They do so from step to step. So all schemes are of first order there, and steps that are chosen by their error
+    become ever shorter.
+    """
+    return any(isinstance(each, SoftSphere) and each.friction > 0.0 for each in scene.forces)
 
 
 ALONE = Terms(

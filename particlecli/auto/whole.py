@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from particlecli.auto.pilot import Flight
+from particlecli.auto.terms import remembers
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme
 from particlecli.dynamics.plan import Coupling, Plan, make_plan
 from particlecli.errors import SimulationError
-from particlecli.scene.forces import Attraction, Springs
+from particlecli.scene.forces import Attraction, SoftSphere, Springs
 from particlecli.scene.integrator import Integrator, Scheme
 
 if TYPE_CHECKING:
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
 WORK = 2.5e9
 """Pairs of particles that the flight which others are compared with may look at, about."""
 
-NEAR, FAR, NEIGHBOR = 300, 1000, 10
-"""How many others act on a particle, at a guess: some 30 near it, of which each costs as much as 10 of those that
-attract all others; of these, by a tree, at most. And what each that a spring holds costs."""
+NEAR, TOUCHING, FAR, NEIGHBOR = 300, 60, 1000, 10
+"""How many others act on a particle, at a guess: some 30 near it, or 6 that touch it, of which each costs as much as 10
+of those that attract all others; of these, by a tree, at most. And what each that a spring holds costs."""
 
 HARD = 4
 """Times as much work is to be expected where particles attract each other without softening and may meet."""
@@ -43,6 +44,8 @@ def _looks(coupling: Coupling, plan: Plan, count: int) -> float:
     force = coupling.force
     if isinstance(force, Attraction):
         return count * min(count, FAR)
+    if isinstance(force, SoftSphere):
+        return count * TOUCHING
     if not isinstance(force, Springs):
         return count * NEAR
     from particlecli.stability.springs import joined_pairs  # brings SciPy, which other scenes do without
@@ -90,8 +93,8 @@ class WholePilot:
 
     @property
     def sees_all(self) -> bool:
-        """Whether all of the scene is flown."""
-        return self.flown == self._scene.frame_count - 1
+        """Whether all of the scene is flown, to a frame that can be known."""
+        return self.flown == self._scene.frame_count - 1 and not remembers(self._scene)
 
     def fly(self, scheme: AnyScheme, *, steps: int = 1, tolerance: float | None = None) -> Flight:
         """Fly with so many equal steps in a frame, or with an error tolerated in a step; the same flight only once.

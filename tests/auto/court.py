@@ -11,13 +11,14 @@ from particlecli.accuracy.tracks import Ids, Track, Tracks
 from particlecli.accuracy.trial import Outcome, Pace, Trial, suitable, trial_plan
 from particlecli.auto.costs import cost, cost_together
 from particlecli.auto.judge import metres
+from particlecli.auto.terms import remembers
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ExplicitRungeKutta, ImplicitRungeKutta, Splitting
 from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
 from particlecli.render.camera import View, on_picture
 from particlecli.runtime import Precision, start
-from particlecli.scene.forces import SoftSphere
+from particlecli.scene.forces import Sph
 from particlecli.scene.integrator import ADAPTIVE, Scheme
 from particlecli.scene.model import Scene
 
@@ -28,9 +29,10 @@ REFERENCES, SHARES = (1e-8, 1e-10), (1e-3, 1e-5)
 """Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from, m; and
 where particles act on each other, in parts of the error asked for, if that is more."""
 
-EVEN = (1000, 4000)
-"""Steps a frame of the two solutions where grains remember contacts: that changes at the ends of steps, so that steps
-that are chosen by their error become ever shorter, and the solution is the limit of equal ones."""
+STICKY, FLUID = ("symplectic_euler", 1000, 4000), ("rk4", 50, 150)
+"""Scheme and steps a frame of the two solutions where grains remember contacts, and of fluids: contacts change, and
+fluids meet planes, at the ends of steps. So steps that are chosen by their error become ever shorter, and the solution
+is the limit of equal ones."""
 
 UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
@@ -45,7 +47,7 @@ FEW = 20
 WINDOWS, ENOUGH = 8, 10
 """Parts of the scene, and particles seen in one that count."""
 
-MANY, MANIER = 16, 2.0
+MANY, MANIER = 16, 4.0
 """Steps a frame of the run that tells what rounding does; of particles that act on each other, evaluations in parts of
 those of the choice."""
 
@@ -65,11 +67,14 @@ class Court:
             group.name: np.arange(group.births.total) if group.coupled else chosen(group.births, MOST)
             for group in plan.groups
         }
-        sticky = any(isinstance(force, SoftSphere) and force.friction > 0.0 for force in scene.forces)
-        trial = self.trial("symplectic_euler" if sticky else "dop853", "double")
-        paces = map(Pace, EVEN) if sticky else (Pace(tolerance=each) for each in self._tolerances())
+        fluid = any(isinstance(force, Sph) for force in scene.forces)
+        self._even: tuple[Scheme, int, int] | None = STICKY if remembers(scene) else FLUID if fluid else None
+        scheme, *steps = self._even or ("dop853",)
+        trial = self.trial(scheme, "double")
+        paces = [Pace(each) for each in steps] or [Pace(tolerance=each) for each in self._tolerances()]
         rough, fine = (trial.run(pace).tracks for pace in paces)
         self.particle_frames = max(1, sum(int(track.alive.sum()) for track in fine.values()))
+        self._fine = fine
         self._reference = self._known(rough, fine)
 
     def _tolerances(self) -> list[float]:
@@ -80,17 +85,20 @@ class Court:
 
     @property
     def followed(self) -> float:
-        """Share of particles and frames at which the solution is known."""
-        return sum(int(track.alive.sum()) for track in self._reference.values()) / self.particle_frames
+        """Share of particles and frames, after the first, at which the solution is known."""
+        known = sum(int(track.alive[1:].sum()) for track in self._reference.values())
+        return known / max(1, sum(int(track.alive[1:].sum()) for track in self._fine.values()))
 
     def heed_rounding(self, run: Outcome) -> None:
         """Follow particles no longer than a run of very many steps does in the scene's precision."""
         if self._scene.precision == "double":
             return
-        steps = MANY
-        if self._together:
+        scheme, steps = "rk4", MANY
+        if self._even:
+            scheme, steps, _ = self._even
+        elif self._together:
             steps = math.ceil(MANIER * run.evaluations / SCHEMES["rk4"].evaluations / self.particle_frames)
-        rounded = self.trial("rk4", "single").run(Pace(steps)).tracks
+        rounded = self.trial(scheme, "single").run(Pace(steps)).tracks
         self._reference = self._known(rounded, self._reference)
 
     def trial(self, scheme: Scheme, precision: Precision) -> Trial:
