@@ -20,8 +20,9 @@ from particlecli.scene.integrator import Integrator, Scheme
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
 
-WORK = 2.5e9
-"""Pairs of particles that the flight which others are compared with may look at, about."""
+WORK, WORTH = 2.5e9, 1e9
+"""Pairs of particles that the flight which others are compared with may look at, about; and of how many a flight of the
+fewest frames is worth trying."""
 
 NEAR, TOUCHING, FAR, NEIGHBOR = 300, 60, 1000, 10
 """How many others act on a particle, at a guess: some 30 near it, or 6 that touch it, of which each costs as much as 10
@@ -56,7 +57,7 @@ def _looks(coupling: Coupling, plan: Plan, count: int) -> float:
 def worth_flying(plan: Plan) -> bool:
     """Whether the coupled groups of a plan are few enough for pilots to tell anything."""
     hard = any(isinstance(each.force, Attraction) and not each.force.softening for each in plan.couplings)
-    return looks(plan) * CALLS * FEWEST * (HARD if hard else 1) <= WORK
+    return looks(plan) * CALLS * FEWEST * (HARD if hard else 1) <= WORTH
 
 
 def name_of(scheme: AnyScheme) -> Scheme:

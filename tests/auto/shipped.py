@@ -34,13 +34,13 @@ SHIPPED = sorted([*(ROOT / "scenes").glob("*.yaml"), *(ROOT / "scenes" / "refere
 RESULTS = ROOT / "outputs" / "auto_shipped.jsonl"
 
 SPANS = {
-    "scenes/dam_break": 0.3,
+    "scenes/dam_break": 0.2,
     "scenes/fish_school": 0.3,
-    "scenes/flag": 1.5,
+    "scenes/flag": 0.8,
     "scenes/galaxies": 2.0,
     "scenes/gas": 0.6,
     "scenes/hair": 0.6,
-    "scenes/jelly": 0.8,
+    "scenes/jelly": 0.5,
     "reference/catenary": 2.0,
 }
 """How long scenes of many particles that act on each other are judged, s: a solution for all of them takes long."""

@@ -10,8 +10,10 @@ from pydantic import ValidationError
 from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.tracks import deviation
 from particlecli.accuracy.trial import Pace, Trial, trial_plan
-from particlecli.auto.resolve import resolved
+from particlecli.auto.resolve import GRAINS, resolved
+from particlecli.auto.safe import SafeSteps
 from particlecli.auto.terms import TOGETHER
+from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
 from particlecli.render.camera import View
@@ -133,6 +135,18 @@ def test_too_many_to_be_flown_get_an_adaptive_scheme():
     changed, choice = resolved(described, 1)
     assert changed.integrator.type == "dormand_prince"
     assert choice.rejected == ()
+    assert not choice.holds
+
+
+def test_too_many_grains_to_be_flown_get_equal_steps():
+    """Adaptive ones become ever shorter where contacts are remembered."""
+    grains = {"grains": {"layout": {"type": "ball", "count": 90_000, "radius": 1}, "mass": 0.01}}
+    touch = {"type": "soft_sphere", "diameter": 0.01, "stiffness": 300, "damping": 0.1, "friction": 0.2}
+    described = scene(particles=grains, forces=[touch], integrator=auto(1e-3))
+    changed, choice = resolved(described, 1)
+    assert changed.integrator.type == "symplectic_euler"
+    safe = SafeSteps(make_plan(described)).longest(SCHEMES["symplectic_euler"])
+    assert safe / 5 < changed.integrator.dt <= safe / GRAINS
     assert not choice.holds
 
 
