@@ -86,7 +86,6 @@ class _Search:
         self.unknown = self._judge.unknown
         self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
-        self._most = self._judge.most_evaluations
         self._tightest = terms.deepest[scene.precision]
         self._stiff = False
         self._told = 0.0
@@ -163,7 +162,7 @@ class _Search:
         if self.best is not None and price >= self.best.cost:
             return self._dearer(price)
         many = steps * evaluations * self._frames > (MOST_SOLVED if solves else self._terms.most_calls)
-        if many or (not solves and steps * evaluations > self._most):
+        if many or (not solves and steps * evaluations > self._judge.most_evaluations):
             return f"would need {steps} steps a frame or more"
         return "nothing here is stiff" if solves and self.best is not None and not self._stiff else ""
 
