@@ -112,7 +112,7 @@ def judged(path: Path, instead: Integrator | None = None) -> Verdict:
     shipped = load_scene(path, ["integrator={type: auto}"])
     stage = load_scene(path, ["integrator={type: auto}", *STAGES.get(name_of(path), [])])
     span = min(stage.duration, SPANS.get(name_of(path), stage.duration))
-    stage = stage.model_copy(update={"duration": span})
+    stage = stage.model_copy(update={"duration": span, "reference": ()})
     changed, choice = resolved(stage, THREADS)
     assert choice is not None
     own = instead or changed.integrator
