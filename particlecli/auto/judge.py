@@ -34,8 +34,9 @@ AGREED, KNOWN = 0.1, 0.25
 """Parts of the error asked for: references so near each other need not be refined, and where the best two are further
 apart than so much nothing can be told of a particle from then on."""
 
-LEAST = 0.02
-"""Share of a pilot's flight that must be known if anything is to be told."""
+LEAST, MOST = 0.02, 0.5
+"""Share of a pilot's flight that must be known if anything is to be told, and of its particles at a frame: of fewer the
+references agree by chance."""
 
 SECOND, CHAOTIC = 2.0, 1.5
 """Evaluations of the second reference where no smaller tolerance makes one, in parts of the first. Where the motion is
@@ -96,7 +97,7 @@ class Judge:
         for pilot in pilots:
             positions, apart, rate = self._best(pilot)
             flown = int((~np.isnan(positions[:, :, 0])).sum())
-            unsure = np.maximum.accumulate(self._far_apart(apart), axis=0)
+            unsure = self._unsure(positions, apart)
             positions[unsure], apart[unsure] = np.nan, np.nan
             sure = int((~np.isnan(positions[:, :, 0])).sum())
             self._blind |= sure < LEAST * flown
@@ -178,8 +179,13 @@ class Judge:
             bound=KNOWN * self._goal.size / max(_sizes(apart)[-1], 1e-300),
         )
 
-    def _far_apart(self, apart: Doubles) -> Mask:
-        return np.asarray(~(apart <= KNOWN * self._goal.size) & ~np.isnan(apart))
+    def _unsure(self, positions: Doubles, apart: Doubles) -> Mask:
+        """Where nothing can be told of a particle any longer, shape (frames, n)."""
+        far = ~(apart <= KNOWN * self._goal.size) & ~np.isnan(apart)
+        lost = np.maximum.accumulate(far, axis=0)
+        alive = ~np.isnan(positions[:, :, 0])
+        few = (alive & ~lost).sum(axis=1) < MOST * alive.sum(axis=1)
+        return np.asarray(lost | np.maximum.accumulate(few)[:, None])
 
     def _in_unit(self, positions: Doubles, lengths: Doubles) -> Doubles:
         """Lengths in m, or in pixels; where no particle of a group is seen, as seen from the point looked at."""

@@ -78,7 +78,7 @@ ALONE = Terms(
 """For particles of which each moves by itself."""
 
 TOGETHER = Terms(
-    candidates=("dormand_prince", "rk4", "symplectic_euler", "velocity_verlet", "implicit_midpoint"),
+    candidates=("dormand_prince", "rk4", "rk3", "symplectic_euler", "velocity_verlet", "implicit_midpoint"),
     judge="dormand_prince",
     finest={"single": 1e-5, "double": 1e-10},
     deepest={"single": 1e-5, "double": 1e-14},
