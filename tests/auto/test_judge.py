@@ -64,6 +64,22 @@ def test_errors_at_the_end_of_what_was_flown_count_in_a_scene_of_any_length(tota
     assert judge.error([pilot.fly(SCHEMES["rk4"], steps=2)]) == pytest.approx(growth * OFF / 2)
 
 
+def test_frames_at_which_most_particles_are_lost_do_not_count():
+    """There the references agree of some particles by chance."""
+
+    class Chaotic(Flier):
+        def fly(self, scheme, *, steps=1, tolerance=None):
+            flight = super().fly(scheme, steps=steps, tolerance=tolerance)
+            flight.positions[:, :, 0] = 0.0
+            flight.positions[FLOWN // 2 :, COUNT // 3 :, 0] = np.log10(tolerance or 1.0)
+            flight.positions[:, : COUNT // 3, 0] = np.arange(FLOWN)[:, None] * float(tolerance is None)
+            return flight
+
+    pilot = Chaotic(FLOWN)
+    judge = Judge(resting(FLOWN / 10, integrator={"type": "auto", "tolerance": 1e-7}), [pilot], TOGETHER)
+    assert judge.error([pilot.fly(SCHEMES["rk4"])]) == pytest.approx(FLOWN // 2 - 1)
+
+
 @pytest.mark.parametrize(("flown", "enough"), [(FLOWN, 2), (FLOWN // 2, 3)])
 def test_pilots_that_see_all_of_a_scene_need_no_wide_margin(flown, enough):
     """The error of two steps is 0.7 of what is allowed."""
