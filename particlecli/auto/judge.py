@@ -38,9 +38,10 @@ LEAST, MOST = 0.02, 0.5
 """Share of a pilot's flight that must be known if anything is to be told, and of its particles at a frame: of fewer the
 references agree by chance."""
 
-SECOND, CHAOTIC = 2.0, 1.5
+SECOND, CHAOTIC, MAGNIFIED = 2.0, 1.5, 0.05
 """Evaluations of the second reference where no smaller tolerance makes one, in parts of the first. Where the motion is
-chaotic two with equal steps are the references: with as many evaluations as the first, and so many times more."""
+chaotic, or such a share of the flights is lost, two with equal steps are the references: with as many evaluations as
+the first, and so many times more."""
 
 FINE, FINEST = 10, 20
 """Steps of both references where grains remember contacts, in parts of the fewest safe ones."""
@@ -49,7 +50,7 @@ FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
 
 WINDOWS, ENOUGH = 8, 10
-"""Spans that what was flown is cut into, of which the worst counts, and errors in one that tell something."""
+"""Spans that what is known is cut into, of which the worst counts, and errors in one that tell something."""
 
 
 @dataclass(frozen=True)
@@ -134,13 +135,7 @@ class Judge:
         self._firsts.append(first)
         rate = self._rate(pilot, first.positions)
         if self._terms.deepest[precision] >= tolerance:
-            even, steps = SCHEMES[UNCHOSEN], first.evaluations / SCHEMES[UNCHOSEN].evaluations
-            times = CHAOTIC if rate else SECOND
-            best, other = first.positions, pilot.fly(even, steps=math.ceil(times * steps)).positions
-            self._magnified |= rate > 0.0
-            if rate:
-                best, other = other, pilot.fly(even, steps=math.ceil(steps)).positions
-            return best.copy(), self._in_unit(best, _apart(other, best)), rate
+            return *self._rounded(pilot, first, chaotic=rate > 0.0), rate
         before = first.positions
         for _ in range(self._terms.refinements):
             tolerance = max(FINER * tolerance, self._terms.deepest[precision])
@@ -150,6 +145,17 @@ class Judge:
                 break
             before = best
         return best.copy(), apart, rate
+
+    def _rounded(self, pilot: Pilot | WholePilot, first: Flight, *, chaotic: bool) -> tuple[Doubles, Doubles]:
+        """Positions, and how far another flight is from them, where no smaller tolerance makes a better one."""
+        even, steps = SCHEMES[UNCHOSEN], first.evaluations / SCHEMES[UNCHOSEN].evaluations
+        finer = pilot.fly(even, steps=math.ceil((CHAOTIC if chaotic else SECOND) * steps)).positions
+        apart = self._in_unit(first.positions, _apart(finer, first.positions))
+        if not chaotic and self._unsure(first.positions, apart).mean() <= MAGNIFIED:
+            return first.positions.copy(), apart
+        self._magnified = True
+        coarser = pilot.fly(even, steps=math.ceil(steps)).positions
+        return finer.copy(), self._in_unit(finer, _apart(coarser, finer))
 
     def _steady(self, pilot: Pilot | WholePilot, safe: int) -> tuple[Doubles, Doubles, float]:
         """The same of two flights with equal steps."""
@@ -203,11 +209,12 @@ def _apart(one: Doubles, other: Doubles) -> Doubles:
 
 
 def _worst(pilot: Pilot | WholePilot, errors: Doubles) -> float:
-    """The largest size over spans of what was flown of errors at each frame after birth, shape (frames, n)."""
+    """The largest size over spans of what is known of errors at each frame after birth, shape (frames, n)."""
     ages = np.arange(1, len(errors) + 1)[:, None]
     lives = (ages <= pilot.frames) & ~np.isnan(errors)
-    last = max(1.0, float((np.minimum(pilot.frames, len(errors)) + pilot.first_frames).max()))
-    windows = np.minimum(((pilot.first_frames + ages) / last * WINDOWS).astype(int), WINDOWS - 1)
+    frames = pilot.first_frames + ages
+    last = float(frames.max(initial=1.0, where=lives))
+    windows = np.minimum((frames / last * WINDOWS).astype(int), WINDOWS - 1)
     few = errors.shape[1] < FEW
     sizes = [_size(errors[lives & (windows == window)], few=few) for window in range(WINDOWS)]
     known = [size for size in sizes if size is not None]
