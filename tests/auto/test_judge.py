@@ -80,6 +80,23 @@ def test_frames_at_which_most_particles_are_lost_do_not_count():
     assert judge.error([pilot.fly(SCHEMES["rk4"])]) == pytest.approx(FLOWN // 2 - 1)
 
 
+def test_equal_steps_tell_where_adaptive_ones_lose_particles_to_rounding():
+    """As they are in single precision, where the smallest tolerance is that of the first reference."""
+
+    class Rounded(Flier):
+        def fly(self, scheme, *, steps=1, tolerance=None):
+            flight = super().fly(scheme, steps=steps, tolerance=tolerance)
+            flight.positions[:, : COUNT // 10, 1] = 1.0 if tolerance else 0.0
+            flight.positions[:, :, 0] = 0.0
+            return flight
+
+    pilot = Rounded(FLOWN)
+    judge = Judge(resting(FLOWN / 10, precision="single"), [pilot], TOGETHER)
+    assert judge.unknown == 0.0
+    assert judge.error([pilot.fly(SCHEMES["rk4"])]) == 0.0
+    assert judge.spoilt == judge.error([pilot.fly(SCHEMES[TOGETHER.judge], tolerance=1e-5)]) == 1.0
+
+
 @pytest.mark.parametrize(("flown", "enough"), [(FLOWN, 2), (FLOWN // 2, 3)])
 def test_pilots_that_see_all_of_a_scene_need_no_wide_margin(flown, enough):
     """The error of two steps is 0.7 of what is allowed."""
