@@ -48,8 +48,8 @@ WINDOWS, ENOUGH = 8, 10
 """Parts of the scene, and particles seen in one that count."""
 
 MANY, MANIER = 16, 4.0
-"""Steps a frame of the run that tells what rounding does; of particles that act on each other, evaluations in parts of
-those of the choice."""
+"""Steps a frame of the first run that tells what rounding does; of particles that act on each other, evaluations in
+parts of those of the choice."""
 
 LOOSE = [10.0 ** (-n / 2) for n in range(2, 17)]
 """Tolerances of adaptive rivals."""
@@ -90,7 +90,10 @@ class Court:
         return known / max(1, sum(int(track.alive[1:].sum()) for track in self._fine.values()))
 
     def heed_rounding(self, run: Outcome) -> None:
-        """Follow particles no longer than a run of very many steps does in the scene's precision."""
+        """Follow particles no longer than runs of very many steps do in the scene's precision.
+
+        Rounding is as good as random, so that one run may follow them by luck.
+        """
         if self._scene.precision == "double":
             return
         scheme, steps = "rk4", MANY
@@ -98,8 +101,9 @@ class Court:
             scheme, steps, _ = self._even
         elif self._together:
             steps = math.ceil(MANIER * run.evaluations / SCHEMES["rk4"].evaluations / self.particle_frames)
-        rounded = self.trial(scheme, "single").run(Pace(steps)).tracks
-        self._reference = self._known(rounded, self._reference)
+        trial = self.trial(scheme, "single")
+        for times in (1, 2):
+            self._reference = self._known(trial.run(Pace(times * steps)).tracks, self._reference)
 
     def trial(self, scheme: Scheme, precision: Precision) -> Trial:
         """A scheme on the scene."""

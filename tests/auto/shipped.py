@@ -2,13 +2,14 @@
 
 Scenes are judged as they are shipped, but for the span that `SPANS` tells where that is dear, and those of `STAGES`
 where fewer of the same particles do the same within a shorter time. What is judged is the choice for just that; the one
-for all of the scene, which may have to allow for more, has to be as accurate in the same span. The error is that of
-a run in the scene's own precision, measured from a solution in double precision (dop853; where grains remember
-contacts, very many equal steps): of 95 in 100 particles that are seen in an eighth of the scene, in the worst eighth;
-that of the particle furthest off is told beside it. Particles are followed as long as that solution is known and can be
-had in the scene's precision: until it parts from one of a larger tolerance, or of longer steps, or a run of very many
-steps in single precision parts from it. From then on the motion is chaotic, no integrator follows it, and nothing is
-said of it but how much that is.
+for all of the scene, which may have to allow for more, has to be as accurate in the same span, and the cost is that of
+the cheaper one.
+The error is that of a run in the scene's own precision, measured from a solution in double precision (dop853; where
+grains remember contacts, and of fluids, very many equal steps): of 95 in 100 particles that are seen in an eighth of the
+scene, in the worst eighth; that of the particle furthest off is told beside it. Particles are followed as long as that
+solution is known and can be had in the scene's precision: until it parts from one of a larger tolerance, or of longer
+steps, or one of two runs of very many steps in single precision parts from it. From then on the motion is chaotic, no
+integrator follows it, and nothing is said of it but how much that is.
 Cost is counted, not timed: evaluations of the equations of motion, at the price that the kind of scheme has in the
 engine. A choice is dear if a rival that costs at most two thirds of it is accurate enough.
 """
@@ -71,7 +72,7 @@ class Verdict:
         all_within: whether it too is as small as was asked for, which is not required.
         followed: share of particles and frames at which the solution is known.
         span: how long the scene was looked at, s, and how long it lasts.
-        cost: of a particle and frame, in evaluations at their price.
+        cost: of a particle and frame, in evaluations at their price; of two choices that of the cheaper one.
         evaluations: of a particle and frame, as counted.
         rivals: errors of others at two thirds of the cost or less.
     """
@@ -121,15 +122,22 @@ def judged(path: Path, instead: Integrator | None = None) -> Verdict:
     trial = court.trial(scheme, stage.precision)
     run = trial.run(_pace(own, stage))
     court.heed_rounding(run)
-    price = court.cost(scheme, run)
+    price, whole, whole_error = court.cost(scheme, run), "", 0.0
+    if span < shipped.duration and name_of(path) not in STAGES and instead is None:
+        changed, for_all = resolved(shipped, THREADS)
+        assert for_all is not None
+        whole = for_all.lines()[0]
+        outcome = court.trial(changed.integrator.scheme, stage.precision).run(_pace(changed.integrator, stage))
+        whole_error, price = court.error(outcome), min(price, court.cost(changed.integrator.scheme, outcome))
+        trial = court.trial(scheme, stage.precision)
     found = Verdict(
         scene=name_of(path),
         choice=choice.lines()[0],
         error=court.error(run),
         goal=choice.goal.size,
         unit=choice.goal.unit,
-        shipped="",
-        shipped_error=0.0,
+        shipped=whole,
+        shipped_error=whole_error,
         largest=(largest := court.error(run, 1.0)),
         all_within=largest <= choice.goal.size,
         followed=court.followed,
@@ -147,12 +155,6 @@ def judged(path: Path, instead: Integrator | None = None) -> Verdict:
                 if court.cost(rival, outcome) > CHEAPER * price:
                     break
                 found.rivals[f"{rival}, {each.steps or each.tolerance}"] = court.error(outcome)
-    if span < shipped.duration and name_of(path) not in STAGES and instead is None:
-        changed, choice = resolved(shipped, THREADS)
-        assert choice is not None
-        found.shipped = choice.lines()[0]
-        outcome = court.trial(changed.integrator.scheme, stage.precision).run(_pace(changed.integrator, stage))
-        found.shipped_error = court.error(outcome)
     return found
 
 
