@@ -10,7 +10,7 @@ from particlecli.auto.judge import LOOSEST, Judge
 from particlecli.auto.outcome import Choice, Tried
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import ALONE, STEADY, Terms, remembers
+from particlecli.auto.terms import ALONE, LANDING, STEADY, Terms, remembers
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ClosedForm, ImplicitRungeKutta
@@ -49,19 +49,26 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, saf
         safe: how long their steps may be.
     """
     search = _Search(scene, pilots, terms, safe)
-    tried = [search.of(scheme) for scheme in terms.candidates if _fits(scene, scheme, terms)]
+    tried = [search.of(scheme) for scheme in terms.candidates if _fits(scene, scheme, terms, pilots)]
     best = search.best or min(tried, key=lambda each: math.inf if each.error is None else each.error)
     rejected = [_outdone(each, best) for each in tried if each is not best]
     return Choice(search.goal, best, tuple(rejected), unknown=search.unknown)
 
 
-def _fits(scene: Scene, scheme: Scheme, terms: Terms) -> bool:
+def _even(scene: Scene, pilots: Sequence[Pilot | WholePilot]) -> Scheme | None:
+    """The scheme of equal steps that others are compared with, where contacts ask for them."""
+    if remembers(scene):
+        return STEADY
+    return LANDING if any(pilot.lands for pilot in pilots) else None
+
+
+def _fits(scene: Scene, scheme: Scheme, terms: Terms, pilots: Sequence[Pilot | WholePilot]) -> bool:
     """Whether a scheme can run a scene, and pilots tell how.
 
     What sliding does to first order only a run shows.
     """
     slides = terms is ALONE and SCHEMES[scheme].order == 1 and bool(scene.planes)
-    suits = scheme == STEADY or not remembers(scene)
+    suits = scheme == STEADY or not (remembers(scene) or (scheme in ADAPTIVE and _even(scene, pilots)))
     return suits and not slides and not problems(_with(scene, scheme))
 
 
@@ -82,7 +89,8 @@ class _Search:
         self.best: Tried | None = None
         self._scene = scene
         self._pilots = [pilot for pilot in pilots if pilot.moves]
-        self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if remembers(scene) else None)
+        even = _even(scene, pilots)
+        self._judge = Judge(scene, self._pilots, terms, even and (even, self._fewest(STEADY)))
         self.unknown = self._judge.unknown
         self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)

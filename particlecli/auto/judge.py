@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from particlecli.auto.growth import growth, growth_rate
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.steps import Doubles
-from particlecli.auto.terms import STEADY, Terms
+from particlecli.auto.terms import Terms, remembers
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.render.camera import View, on_picture
-from particlecli.scene.integrator import UNCHOSEN
+from particlecli.scene.integrator import UNCHOSEN, Scheme
 from particlecli.scene.model import Scene
 
 Mask = NDArray[np.bool_]
@@ -44,7 +44,7 @@ chaotic, or such a share of the flights is lost, two with equal steps are the re
 the first, and so many times more."""
 
 FINE, FINEST = 10, 20
-"""Steps of both references where grains remember contacts, in parts of the fewest safe ones."""
+"""Steps of both references where they are equal, in parts of the fewest safe ones."""
 
 FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
@@ -75,7 +75,7 @@ class Judge:
         scene: with `integrator.type: auto`.
         pilots: of its groups, all of which have something to fly for.
         terms: on which schemes are compared.
-        safe: the fewest safe steps in a frame of `STEADY`, where grains remember contacts.
+        even: the scheme of both references and its fewest safe steps in a frame, where contacts ask for equal steps.
 
     Attributes:
         unknown: share of all that was flown of which nothing can be told: there the motion magnifies rounding.
@@ -85,9 +85,13 @@ class Judge:
     """
 
     def __init__(
-        self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, safe: int | None = None
+        self,
+        scene: Scene,
+        pilots: Sequence[Pilot | WholePilot],
+        terms: Terms,
+        even: tuple[Scheme, int] | None = None,
     ) -> None:
-        self._scene, self._pilots, self._terms, self._safe = scene, pilots, terms, safe
+        self._scene, self._pilots, self._terms, self._even = scene, pilots, terms, even
         self._goal = scene.integrator.goal
         self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
         alive = known = 0
@@ -104,7 +108,7 @@ class Judge:
             self._blind |= sure < LEAST * flown
             alive, known = alive + flown, known + sure
             self._references.append(_Reference(positions, self._growth(pilot, positions, apart, rate), rate > 0.0))
-        self.most_evaluations = self.evaluations * (terms.most_of_judge if safe is None else 1.0)
+        self.most_evaluations = self.evaluations * (terms.most_of_judge if even is None else 1.0)
         self.unknown = 1.0 - known / alive if alive else 0.0
         self.spoilt = self.error(self._firsts) if self._magnified else 0.0
 
@@ -126,8 +130,8 @@ class Judge:
         The other flight has a larger tolerance, or equal steps. In single precision chaos magnifies the rounding of
         adaptive steps too much, and both have equal steps.
         """
-        if self._safe is not None:
-            return self._steady(pilot, self._safe)
+        if self._even is not None:
+            return self._steady(pilot, *self._even)
         judge, precision = SCHEMES[self._terms.judge], self._scene.precision
         tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
         first = pilot.fly(judge, tolerance=tolerance)
@@ -157,10 +161,10 @@ class Judge:
         coarser = pilot.fly(even, steps=math.ceil(steps)).positions
         return finer.copy(), self._in_unit(finer, _apart(coarser, finer))
 
-    def _steady(self, pilot: Pilot | WholePilot, safe: int) -> tuple[Doubles, Doubles, float]:
+    def _steady(self, pilot: Pilot | WholePilot, scheme: Scheme, safe: int) -> tuple[Doubles, Doubles, float]:
         """The same of two flights with equal steps."""
-        first = pilot.fly(SCHEMES[STEADY], steps=FINE * safe)
-        best = pilot.fly(SCHEMES[STEADY], steps=FINEST * safe).positions
+        first = pilot.fly(SCHEMES[scheme], steps=FINE * safe)
+        best = pilot.fly(SCHEMES[scheme], steps=FINEST * safe).positions
         self.evaluations = max(self.evaluations, first.evaluations)
         self._firsts.append(first)
         return best.copy(), self._in_unit(best, _apart(first.positions, best)), 0.0
@@ -174,7 +178,7 @@ class Judge:
 
     def _growth(self, pilot: Pilot | WholePilot, reference: Doubles, apart: Doubles, rate: float) -> float:
         """By how much errors grow after what was flown; collisions of grains leave nothing that could be told."""
-        if self._safe is not None:
+        if remembers(self._scene):
             return 1.0
         last = pilot.frames >= pilot.flown
         return growth(

@@ -61,9 +61,11 @@ class Pilot:
         frames: how many frames each particle lives, shape (n,).
         flown: frames that are flown.
         sees_all: that all particles are flown as the engine flies them; these are a sample, at the ground roughly.
+        lands: that bodies of springs meet planes at the ends of steps; these are particles.
     """
 
     sees_all = False
+    lands = False
 
     def __init__(
         self, plan: GroupPlan, probe: Flights, interval: float, until: float, table: BirthTable | None = None

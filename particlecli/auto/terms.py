@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 from particlecli.auto.costs import cost, cost_together
 from particlecli.dynamics.integrators.base import AnyScheme
+from particlecli.dynamics.plan import Plan
 from particlecli.runtime import Precision
-from particlecli.scene.forces import SoftSphere
+from particlecli.scene.forces import SoftSphere, Springs
 from particlecli.scene.integrator import Scheme
 from particlecli.scene.model import Scene
 
@@ -44,6 +45,9 @@ class Terms:
 STEADY: Scheme = "symplectic_euler"
 """The scheme for grains that remember contacts: the cheapest step."""
 
+LANDING: Scheme = "midpoint"
+"""The scheme that others are compared with where bodies land: the cheapest step of second order."""
+
 
 def remembers(scene: Scene) -> bool:
     """Whether grains remember contacts.
@@ -52,6 +56,16 @@ def remembers(scene: Scene) -> bool:
     become ever shorter.
     """
     return any(isinstance(each, SoftSphere) and each.friction > 0.0 for each in scene.forces)
+
+
+def lands(plan: Plan) -> bool:
+    """Whether bodies of springs meet planes at the ends of steps.
+
+    That makes an error of first order in the step, whatever the scheme, which schemes that choose their steps by their
+    own error do not see. Of steps that are too long a corner that meets the ground may turn inside out.
+    """
+    late = {group.name for group in plan.groups if group.coupled and group.impacts == "end_of_step"}
+    return any(isinstance(each.force, Springs) and late & set(each.groups) for each in plan.couplings)
 
 
 ALONE = Terms(

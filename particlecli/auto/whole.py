@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from particlecli.auto.pilot import Flight
-from particlecli.auto.terms import remembers
+from particlecli.auto.terms import lands, remembers
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import AdaptiveRungeKutta, AnyScheme
 from particlecli.dynamics.plan import Coupling, Plan, make_plan
@@ -20,11 +20,11 @@ from particlecli.scene.integrator import Integrator, Scheme
 if TYPE_CHECKING:
     from particlecli.dynamics.system import System
 
-WORK, WORTH = 2.5e9, 1e9
-"""Pairs of particles that the flight which others are compared with may look at, about; and of how many a flight of the
-fewest frames is worth trying."""
+WORK, EVEN, WORTH = 2.5e9, 2.0, 1e9
+"""Pairs of particles that the flight which others are compared with may look at, about; so many times more where bodies
+land, as fewer flights of them are needed; and of how many a flight of the fewest frames is worth trying."""
 
-NEAR, TOUCHING, FAR, NEIGHBOR = 300, 60, 1000, 10
+NEAR, TOUCHING, FAR, NEIGHBOR = 300, 60, 1000, 5
 """How many others act on a particle, at a guess: some 30 near it, or 6 that touch it, of which each costs as much as 10
 of those that attract all others; of these, by a tree, at most. And what each that a spring holds costs."""
 
@@ -75,6 +75,7 @@ class WholePilot:
         first_frames: instants of birth in frames, 0: ages count from the beginning of the scene; shape (n,).
         frames: how many frames the scene has after the first, shape (n,).
         flown: frames that are flown; the first flight ends when it has been enough work, and sets it.
+        lands: whether bodies of springs meet planes at the ends of steps.
         moves: that there is something to fly for.
     """
 
@@ -85,6 +86,7 @@ class WholePilot:
         self._looks = looks(plan)
         self._first = True
         self.flown = plan.scene.frame_count - 1
+        self.lands = lands(plan)
         self._totals = {group.name: group.births.total for group in plan.groups if group.coupled}
         count = sum(self._totals.values())
         self.first_frames = np.zeros(count)
@@ -129,7 +131,7 @@ class WholePilot:
         return Flight(positions[: self.flown], system.evaluations / max(1, flown * len(self.frames)))
 
     def _enough(self, system: System) -> bool:
-        return system.evaluations / len(self.frames) * self._looks > WORK
+        return system.evaluations / len(self.frames) * self._looks > WORK * (EVEN if self.lands else 1.0)
 
     def _note(self, system: System, index: int, positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
         frame, first = system.frame(index, {}), 0

@@ -11,10 +11,10 @@ from particlecli.accuracy.tracks import Ids, Track, Tracks
 from particlecli.accuracy.trial import Outcome, Pace, Trial, suitable, trial_plan
 from particlecli.auto.costs import cost, cost_together
 from particlecli.auto.judge import metres
-from particlecli.auto.terms import remembers
+from particlecli.auto.terms import lands, remembers
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ExplicitRungeKutta, ImplicitRungeKutta, Splitting
-from particlecli.dynamics.plan import make_plan
+from particlecli.dynamics.plan import Plan, make_plan
 from particlecli.dynamics.sampling import chosen
 from particlecli.render.camera import View, on_picture
 from particlecli.runtime import Precision, start
@@ -29,10 +29,10 @@ REFERENCES, SHARES = (1e-8, 1e-10), (1e-3, 1e-5)
 """Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from, m; and
 where particles act on each other, in parts of the error asked for, if that is more."""
 
-STICKY, FLUID = ("symplectic_euler", 1000, 4000), ("rk4", 50, 150)
-"""Scheme and steps a frame of the two solutions where grains remember contacts, and of fluids: contacts change, and
-fluids meet planes, at the ends of steps. So steps that are chosen by their error become ever shorter, and the solution
-is the limit of equal ones."""
+STICKY, FLUID, BODIES = ("symplectic_euler", 1000, 4000), ("rk4", 50, 150), ("midpoint", 400, 1200)
+"""Scheme and steps a frame of the two solutions where grains remember contacts, of fluids, and of bodies that land:
+contacts change, and planes are met, at the ends of steps. Steps that are chosen by their error become ever shorter there,
+or see nothing of it, and the solution is the limit of equal ones."""
 
 UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
@@ -67,8 +67,7 @@ class Court:
             group.name: np.arange(group.births.total) if group.coupled else chosen(group.births, MOST)
             for group in plan.groups
         }
-        fluid = any(isinstance(force, Sph) for force in scene.forces)
-        self._even: tuple[Scheme, int, int] | None = STICKY if remembers(scene) else FLUID if fluid else None
+        self._even = _even(plan)
         scheme, *steps = self._even or ("dop853",)
         trial = self.trial(scheme, "double")
         paces = [Pace(each) for each in steps] or [Pace(tolerance=each) for each in self._tolerances()]
@@ -164,3 +163,12 @@ class Court:
         if not np.isnan(seen).all():
             return seen
         return np.linalg.norm(offset, axis=2) * self._view.focal / self._view.distance
+
+
+def _even(plan: Plan) -> tuple[Scheme, int, int] | None:
+    """Scheme and steps of both solutions, where they are of equal steps."""
+    if remembers(plan.scene):
+        return STICKY
+    if any(isinstance(force, Sph) for force in plan.scene.forces):
+        return FLUID
+    return BODIES if lands(plan) else None
