@@ -10,7 +10,7 @@ from particlecli.auto.judge import LOOSEST, Judge
 from particlecli.auto.outcome import Choice, Tried
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import ALONE, LANDING, STEADY, Terms, remembers
+from particlecli.auto.terms import ALONE, STEADY, UNSEEN, Terms, remembers
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.integrators.base import ClosedForm, ImplicitRungeKutta
@@ -55,11 +55,9 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, saf
     return Choice(search.goal, best, tuple(rejected), unknown=search.unknown)
 
 
-def _even(scene: Scene, pilots: Sequence[Pilot | WholePilot]) -> Scheme | None:
-    """The scheme of equal steps that others are compared with, where contacts ask for them."""
-    if remembers(scene):
-        return STEADY
-    return LANDING if any(pilot.lands for pilot in pilots) else None
+def _even(scene: Scene, pilots: Sequence[Pilot | WholePilot]) -> bool:
+    """Whether contacts ask for equal steps."""
+    return remembers(scene) or any(pilot.lands for pilot in pilots)
 
 
 def _fits(scene: Scene, scheme: Scheme, terms: Terms, pilots: Sequence[Pilot | WholePilot]) -> bool:
@@ -89,8 +87,10 @@ class _Search:
         self.best: Tried | None = None
         self._scene = scene
         self._pilots = [pilot for pilot in pilots if pilot.moves]
-        even = _even(scene, pilots)
-        self._judge = Judge(scene, self._pilots, terms, even and (even, self._fewest(STEADY)))
+        self._least = 1
+        self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if _even(scene, pilots) else None)
+        if remembers(scene) and any(pilot.flown < pilot.frames.max() for pilot in self._pilots):
+            self._least = UNSEEN
         self.unknown = self._judge.unknown
         self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN
         self._frames = max((pilot.flown for pilot in self._pilots), default=1)
@@ -155,7 +155,7 @@ class _Search:
         return max(self._fewest(scheme), int(BEGUN * self._told / self._cost(scheme, 1)))
 
     def _fewest(self, scheme: Scheme) -> int:
-        return self._safe.fewest(SCHEMES[scheme], self._scene)
+        return self._least * self._safe.fewest(SCHEMES[scheme], self._scene)
 
     def _affordable(self, scheme: Scheme) -> float:
         """Steps that cost less than the best so far."""

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from particlecli.auto.growth import growth, growth_rate
 from particlecli.auto.pilot import Flight, Pilot
 from particlecli.auto.steps import Doubles
-from particlecli.auto.terms import Terms, remembers
+from particlecli.auto.terms import STEADY, Terms, remembers
 from particlecli.auto.whole import WholePilot
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.render.camera import View, on_picture
-from particlecli.scene.integrator import UNCHOSEN, Scheme
+from particlecli.scene.integrator import UNCHOSEN
 from particlecli.scene.model import Scene
 
 Mask = NDArray[np.bool_]
@@ -75,7 +75,7 @@ class Judge:
         scene: with `integrator.type: auto`.
         pilots: of its groups, all of which have something to fly for.
         terms: on which schemes are compared.
-        even: the scheme of both references and its fewest safe steps in a frame, where contacts ask for equal steps.
+        safe: the fewest safe steps in a frame of `STEADY`, where contacts ask for equal steps.
 
     Attributes:
         unknown: share of all that was flown of which nothing can be told: there the motion magnifies rounding.
@@ -85,13 +85,9 @@ class Judge:
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        pilots: Sequence[Pilot | WholePilot],
-        terms: Terms,
-        even: tuple[Scheme, int] | None = None,
+        self, scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, safe: int | None = None
     ) -> None:
-        self._scene, self._pilots, self._terms, self._even = scene, pilots, terms, even
+        self._scene, self._pilots, self._terms, self._safe = scene, pilots, terms, safe
         self._goal = scene.integrator.goal
         self._view = View.of(scene.camera, *scene.camera.resolution, scene.frames)
         alive = known = 0
@@ -108,7 +104,7 @@ class Judge:
             self._blind |= sure < LEAST * flown
             alive, known = alive + flown, known + sure
             self._references.append(_Reference(positions, self._growth(pilot, positions, apart, rate), rate > 0.0))
-        self.most_evaluations = self.evaluations * (terms.most_of_judge if even is None else 1.0)
+        self.most_evaluations = self.evaluations * self._most()
         self.unknown = 1.0 - known / alive if alive else 0.0
         self.spoilt = self.error(self._firsts) if self._magnified else 0.0
 
@@ -124,14 +120,20 @@ class Judge:
             errors.append((max(worst, _sizes(sizes)[-1]) if reference.chaotic else worst) * reference.growth)
         return max(errors)
 
+    def _most(self) -> float:
+        """Evaluations that equal steps may take, in parts of those of the first reference."""
+        if self._safe is None:
+            return self._terms.most_of_judge
+        return 1.0 if remembers(self._scene) else FINEST / FINE
+
     def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Doubles, float]:
         """Positions, how far another flight is from them, and the rate of exponential growth of errors, per frame.
 
         The other flight has a larger tolerance, or equal steps. In single precision chaos magnifies the rounding of
         adaptive steps too much, and both have equal steps.
         """
-        if self._even is not None:
-            return self._steady(pilot, *self._even)
+        if self._safe is not None:
+            return self._steady(pilot, self._safe)
         judge, precision = SCHEMES[self._terms.judge], self._scene.precision
         tolerance = max(min(FIRST * metres(self._scene), COARSEST), self._terms.finest[precision])
         first = pilot.fly(judge, tolerance=tolerance)
@@ -161,13 +163,20 @@ class Judge:
         coarser = pilot.fly(even, steps=math.ceil(steps)).positions
         return finer.copy(), self._in_unit(finer, _apart(coarser, finer))
 
-    def _steady(self, pilot: Pilot | WholePilot, scheme: Scheme, safe: int) -> tuple[Doubles, Doubles, float]:
-        """The same of two flights with equal steps."""
-        first = pilot.fly(SCHEMES[scheme], steps=FINE * safe)
-        best = pilot.fly(SCHEMES[scheme], steps=FINEST * safe).positions
+    def _steady(self, pilot: Pilot | WholePilot, safe: int) -> tuple[Doubles, Doubles, float]:
+        """The same of two flights with equal steps, of first order.
+
+        But for grains that remember contacts, which do not come together so evenly, the positions are Richardson's
+        extrapolation to steps of no length (Phil. Trans. R. Soc. A 210 (1911) 307).
+        """
+        first = pilot.fly(SCHEMES[STEADY], steps=FINE * safe)
+        best = pilot.fly(SCHEMES[STEADY], steps=FINEST * safe).positions
         self.evaluations = max(self.evaluations, first.evaluations)
         self._firsts.append(first)
-        return best.copy(), self._in_unit(best, _apart(first.positions, best)), 0.0
+        apart = self._in_unit(best, _apart(first.positions, best))
+        if remembers(self._scene):
+            return best.copy(), apart, 0.0
+        return best + FINE / (FINEST - FINE) * (best - first.positions), apart, 0.0
 
     def _rate(self, pilot: Pilot | WholePilot, reference: Doubles) -> float:
         """Of the exponential growth of errors, per frame, where a pilot flies for a few frames only; else 0."""

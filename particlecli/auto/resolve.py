@@ -13,7 +13,7 @@ from particlecli.auto.judge import metres
 from particlecli.auto.outcome import Choice, Tried, integrator_of
 from particlecli.auto.pilot import SAMPLE, Pilot
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import ALONE, STEADY, TOGETHER, remembers
+from particlecli.auto.terms import ALONE, STEADY, TOGETHER, UNSEEN, lands, remembers
 from particlecli.auto.whole import WholePilot, worth_flying
 from particlecli.dynamics.births import EmitterBirths
 from particlecli.dynamics.integrators import SCHEMES
@@ -24,9 +24,6 @@ from particlecli.scene.model import Scene
 
 COUPLED = 0.01
 """Share of the error asked for, m, that a step may make where particles act on each other: that of adaptive schemes."""
-
-GRAINS = 4
-"""Steps of grains that remember contacts where no pilot tells, in parts of the fewest safe ones."""
 
 
 def resolved(scene: Scene, threads: int | None = None) -> tuple[Scene, Choice | None]:
@@ -51,7 +48,7 @@ def _chosen(plan: Plan) -> Choice:
     if worth_flying(plan):
         with suppress(SimulationError):  # a scheme that cannot go on tells it best in the run itself
             choice = choose(plan.scene, [WholePilot(plan), *_pilots(plan)], TOGETHER, safe)
-    return choice if choice and choice.holds else _careful(plan.scene, choice, safe)
+    return choice if choice and choice.holds else _careful(plan, choice, safe)
 
 
 def _pilots(plan: Plan) -> list[Pilot]:
@@ -82,10 +79,11 @@ def _standing(scene: Scene) -> Choice:
     return Choice(scene.integrator.goal, chosen, unseen="planes move, and are met at the end of steps")
 
 
-def _careful(scene: Scene, tried: Choice | None, safe: SafeSteps) -> Choice:
-    """Where no pilot tells: an adaptive scheme controls the error of each step, or grains take many safe steps."""
-    if remembers(scene):
-        chosen = Tried(STEADY, GRAINS * safe.fewest(SCHEMES[STEADY], scene), None, None, 0.0, "")
+def _careful(plan: Plan, tried: Choice | None, safe: SafeSteps) -> Choice:
+    """Where no pilot tells: an adaptive scheme controls the error of each step, or contacts get many safe steps."""
+    scene = plan.scene
+    if remembers(scene) or lands(plan):
+        chosen = Tried(STEADY, UNSEEN * safe.fewest(SCHEMES[STEADY], scene), None, None, 0.0, "")
     else:
         tolerance = max(COUPLED * metres(scene), 1e-6 if scene.precision == "single" else 1e-13)
         chosen = Tried("dormand_prince", None, tolerance, None, 0.0, "")

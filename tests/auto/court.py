@@ -29,10 +29,10 @@ REFERENCES, SHARES = (1e-8, 1e-10), (1e-3, 1e-5)
 """Tolerances of the solution that tells how sure the other is, and of the one that errors are measured from, m; and
 where particles act on each other, in parts of the error asked for, if that is more."""
 
-STICKY, FLUID, BODIES = ("symplectic_euler", 1000, 4000), ("rk4", 50, 150), ("midpoint", 400, 1200)
-"""Scheme and steps a frame of the two solutions where grains remember contacts, of fluids, and of bodies that land:
-contacts change, and planes are met, at the ends of steps. Steps that are chosen by their error become ever shorter there,
-or see nothing of it, and the solution is the limit of equal ones."""
+TOUCHING, FLUID = ("symplectic_euler", 1000, 4000), ("rk4", 50, 150)
+"""Scheme and steps a frame of the two solutions where grains remember contacts or bodies land, and of fluids: contacts
+change, and planes are met, at the ends of steps. Steps that are chosen by their error become ever shorter there, or see
+nothing of it, and the solution is the limit of equal ones."""
 
 UNSURE, KNOWN = 0.25, 0.5
 """In parts of the error asked for, how far apart the two are where particles are followed no longer; and the share of
@@ -167,8 +167,6 @@ class Court:
 
 def _even(plan: Plan) -> tuple[Scheme, int, int] | None:
     """Scheme and steps of both solutions, where they are of equal steps."""
-    if remembers(plan.scene):
-        return STICKY
-    if any(isinstance(force, Sph) for force in plan.scene.forces):
-        return FLUID
-    return BODIES if lands(plan) else None
+    if remembers(plan.scene) or lands(plan):
+        return TOUCHING
+    return FLUID if any(isinstance(force, Sph) for force in plan.scene.forces) else None
