@@ -35,7 +35,7 @@ RESULTS = ROOT / "outputs" / "auto_shipped.jsonl"
 
 SPANS = {
     "scenes/dam_break": 0.2,
-    "scenes/fish_school": 0.3,
+    "scenes/fish_school": 3.0,
     "scenes/flag": 0.8,
     "scenes/galaxies": 2.0,
     "scenes/gas": 0.6,

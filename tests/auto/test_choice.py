@@ -10,9 +10,9 @@ from pydantic import ValidationError
 from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.tracks import deviation
 from particlecli.accuracy.trial import Pace, Trial, trial_plan
-from particlecli.auto.resolve import GRAINS, resolved
+from particlecli.auto.resolve import resolved
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import TOGETHER
+from particlecli.auto.terms import STEADY, TOGETHER, UNSEEN
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
@@ -144,9 +144,9 @@ def test_too_many_grains_to_be_flown_get_equal_steps():
     touch = {"type": "soft_sphere", "diameter": 0.01, "stiffness": 300, "damping": 0.1, "friction": 0.2}
     described = scene(particles=grains, forces=[touch], integrator=auto(1e-3))
     changed, choice = resolved(described, 1)
-    assert changed.integrator.type == "symplectic_euler"
-    safe = SafeSteps(make_plan(described)).longest(SCHEMES["symplectic_euler"])
-    assert safe / 5 < changed.integrator.dt <= safe / GRAINS
+    assert changed.integrator.type == STEADY
+    safe = SafeSteps(make_plan(described)).longest(SCHEMES[STEADY])
+    assert safe / (UNSEEN + 1) < changed.integrator.dt <= safe / UNSEEN
     assert not choice.holds
 
 
