@@ -138,11 +138,22 @@ def test_too_many_to_be_flown_get_an_adaptive_scheme():
     assert not choice.holds
 
 
-def test_too_many_grains_to_be_flown_get_equal_steps():
-    """Adaptive ones become ever shorter where contacts are remembered."""
-    grains = {"grains": {"layout": {"type": "ball", "count": 90_000, "radius": 1}, "mass": 0.01}}
-    touch = {"type": "soft_sphere", "diameter": 0.01, "stiffness": 300, "damping": 0.1, "friction": 0.2}
-    described = scene(particles=grains, forces=[touch], integrator=auto(1e-3))
+GRAINS = {
+    "particles": {"grains": {"layout": {"type": "ball", "count": 2000, "radius": 1}, "mass": 0.01}},
+    "forces": [{"type": "soft_sphere", "diameter": 0.01, "stiffness": 300, "damping": 0.1, "friction": 0.2}],
+}
+BODY = {
+    "particles": {"body": {"layout": {"type": "grid", "counts": [12, 12, 12], "spacing": 0.1}, "mass": 0.01}},
+    "forces": [{"type": "springs", "stiffness": 100}],
+    "planes": [{"point": [0, -1, 0], "normal": [0, 1, 0]}],
+}
+
+
+@pytest.mark.parametrize("parts", [pytest.param(GRAINS, id="grains"), pytest.param(BODY, id="a body that lands")])
+def test_contacts_of_too_many_to_be_flown_get_equal_steps(parts, monkeypatch):
+    """Adaptive ones become ever shorter where contacts are remembered, and see nothing of landing."""
+    monkeypatch.setattr("particlecli.auto.resolve.worth_flying", lambda _: False)
+    described = scene(**parts, integrator=auto(1e-3))
     changed, choice = resolved(described, 1)
     assert changed.integrator.type == STEADY
     safe = SafeSteps(make_plan(described)).longest(SCHEMES[STEADY])

@@ -9,9 +9,10 @@ from particlecli.auto.choice import choose
 from particlecli.auto.judge import FINE, FINEST, Judge
 from particlecli.auto.pilot import Flight
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import STEADY, TOGETHER, remembers
+from particlecli.auto.terms import STEADY, TOGETHER, UNSEEN, lands, remembers
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.plan import make_plan
+from particlecli.scene.integrator import ADAPTIVE
 from tests.dynamics.scenes import body, scene
 
 COUNT, FLOWN = 40, 8
@@ -25,12 +26,14 @@ class Flier:
     Attributes:
         total: frames of the scene.
         flown: those that it flies.
+        lands: whether bodies of springs meet planes at the ends of steps.
         asked: by scheme, with how many steps it flew.
     """
 
     total: int
     flown: int = FLOWN
     moves: bool = True
+    lands: bool = False
     asked: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -125,3 +128,53 @@ def test_grains_that_remember_contacts_are_stepped_evenly_and_compared_with_such
 def test_grains_without_friction_remember_nothing():
     slippery = [{**GRAINS[0], "friction": 0}]
     assert not remembers(resting(1, forces=slippery))
+
+
+@pytest.mark.parametrize(("total", "least"), [(FLOWN, 1), (3 * FLOWN, UNSEEN)])
+def test_grains_that_no_pilot_sees_to_the_end_get_more_than_the_fewest_safe_steps(total, least):
+    described = resting(total / 10, forces=GRAINS, integrator={"type": "auto", "tolerance": 1.0})
+    safe = SafeSteps(make_plan(described))
+    choice = choose(described, [Flier(total)], TOGETHER, safe)
+    assert choice.chosen.steps == least * safe.fewest(SCHEMES[STEADY], described)
+
+
+SPRING = [{"type": "springs", "pairs": [[0, 1]], "stiffness": 4, "damping": 0.01}]
+FLOOR = [{"normal": [0, 1, 0]}]
+TWO = {"pair": {"positions": [[0, 1, 0], [1, 1, 0]], "mass": 0.01}}
+
+
+def test_bodies_that_land_are_compared_with_steps_of_no_length():
+    """Equal steps of first order, extrapolated; what chooses its steps sees nothing of the landing."""
+
+    class Body(Flier):
+        def fly(self, scheme, *, steps=1, tolerance=None):
+            flight = super().fly(scheme, steps=steps, tolerance=tolerance)
+            flight.positions[:, :, 0] = OFF / steps
+            return flight
+
+    described, pilot = resting(FLOWN / 10, particles=TWO, forces=SPRING, planes=FLOOR), Body(FLOWN, lands=True)
+    safe = SafeSteps(make_plan(described))
+    fewest = safe.fewest(SCHEMES[STEADY], described)
+    judge = Judge(described, [pilot], TOGETHER, fewest)
+    for steps in (1, 3):
+        assert judge.error([pilot.fly(SCHEMES["rk4"], steps=steps)]) == pytest.approx(OFF / steps)
+    assert judge.most_evaluations == FINEST * fewest
+    choice = choose(described, [pilot], TOGETHER, safe)
+    assert {each.scheme for each in (choice.chosen, *choice.rejected)}.isdisjoint(ADAPTIVE)
+
+
+CROWD = {"crowd": {"layout": {"type": "grid", "counts": [12, 12, 12], "spacing": 0.1}}}
+LATTICE = [{"type": "springs", "stiffness": 100}]
+
+
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        pytest.param({"particles": CROWD, "forces": LATTICE, "planes": FLOOR}, True, id="a body above the ground"),
+        pytest.param({"particles": CROWD, "forces": LATTICE}, False, id="a body in space"),
+        pytest.param({"particles": CROWD, "planes": FLOOR}, False, id="particles that fall"),
+        pytest.param({"particles": TWO, "forces": SPRING, "planes": FLOOR}, False, id="few, whose impacts are located"),
+    ],
+)
+def test_bodies_land_where_many_particles_with_springs_meet_a_plane(parts, expected):
+    assert lands(make_plan(resting(1, **parts))) is expected
