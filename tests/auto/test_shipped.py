@@ -5,23 +5,9 @@ import pytest
 from particlecli.scene.integrator import Integrator
 from tests.auto.shipped import ROOT, SHIPPED, judged, name_of
 
-MISSES = {
-    "scenes/jelly": "pilots see 0.5 s and take the leap of errors where jellies land for chaos: twice the least cost",
-    "scenes/sand": "pilots of all grains see too few of them touch: what is chosen for them errs by 0.55 px",
-    "scenes/fish_school": "chaotic after 0.1 s, so that errors fall irregularly: 1.53 times the least cost",
-}
-"""Scenes on which `auto` is known not to be good enough, and why."""
-
-
-def expected(path):
-    """A scene as a parameter, with what is known of it."""
-    name = name_of(path)
-    missed = [pytest.mark.xfail(strict=True, raises=AssertionError, reason=MISSES[name])] if name in MISSES else []
-    return pytest.param(path, id=name, marks=missed)
-
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", [expected(path) for path in SHIPPED])
+@pytest.mark.parametrize("path", SHIPPED, ids=name_of)
 def test_shipped_scenes_are_as_accurate_as_asked_for_at_hardly_more_than_the_least_cost(path):
     found = judged(path)
     assert found.followed >= 0.5
