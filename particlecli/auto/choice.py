@@ -88,8 +88,9 @@ class _Search:
         self._scene = scene
         self._pilots = [pilot for pilot in pilots if pilot.moves]
         self._least = 1
-        self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if _even(scene, pilots) else None)
-        if remembers(scene) and any(pilot.flown < pilot.frames.max() for pilot in self._pilots):
+        even = _even(scene, self._pilots)
+        self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if even else None)
+        if even and any(pilot.flown < pilot.frames.max() for pilot in self._pilots):
             self._least = UNSEEN
         self.unknown = self._judge.unknown
         self._margin = SEEN if all(pilot.sees_all for pilot in self._pilots) else MARGIN

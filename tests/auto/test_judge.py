@@ -130,14 +130,6 @@ def test_grains_without_friction_remember_nothing():
     assert not remembers(resting(1, forces=slippery))
 
 
-@pytest.mark.parametrize(("total", "least"), [(FLOWN, 1), (3 * FLOWN, UNSEEN)])
-def test_grains_that_no_pilot_sees_to_the_end_get_more_than_the_fewest_safe_steps(total, least):
-    described = resting(total / 10, forces=GRAINS, integrator={"type": "auto", "tolerance": 1.0})
-    safe = SafeSteps(make_plan(described))
-    choice = choose(described, [Flier(total)], TOGETHER, safe)
-    assert choice.chosen.steps == least * safe.fewest(SCHEMES[STEADY], described)
-
-
 SPRING = [{"type": "springs", "pairs": [[0, 1]], "stiffness": 4, "damping": 0.01}]
 FLOOR = [{"normal": [0, 1, 0]}]
 TWO = {"pair": {"positions": [[0, 1, 0], [1, 1, 0]], "mass": 0.01}}
@@ -178,3 +170,19 @@ LATTICE = [{"type": "springs", "stiffness": 100}]
 )
 def test_bodies_land_where_many_particles_with_springs_meet_a_plane(parts, expected):
     assert lands(make_plan(resting(1, **parts))) is expected
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        pytest.param({"forces": GRAINS}, id="grains"),
+        pytest.param({"particles": TWO, "forces": SPRING, "planes": FLOOR}, id="a body that lands"),
+    ],
+)
+@pytest.mark.parametrize(("total", "least"), [(FLOWN, 1), (3 * FLOWN, UNSEEN)])
+def test_contacts_that_no_pilot_sees_to_the_end_get_more_than_the_fewest_safe_steps(parts, total, least):
+    described = resting(total / 10, **parts, integrator={"type": "auto", "tolerance": 1.0})
+    safe = SafeSteps(make_plan(described))
+    choice = choose(described, [Flier(total, lands="springs" in parts["forces"][0].values())], TOGETHER, safe)
+    steps = {each.scheme: each.steps for each in (choice.chosen, *choice.rejected)}
+    assert steps[STEADY] == least * safe.fewest(SCHEMES[STEADY], described)
