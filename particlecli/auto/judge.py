@@ -43,8 +43,9 @@ SECOND, CHAOTIC, MAGNIFIED = 2.0, 1.5, 0.05
 chaotic, or such a share of the flights is lost, two with equal steps are the references: with as many evaluations as
 the first, and so many times more."""
 
-FINE, FINEST = 10, 20
-"""Steps of both references where they are equal, in parts of the fewest safe ones."""
+FINE, HALVINGS = 10, 2
+"""Steps of the first reference where they are equal, in parts of the fewest safe ones; and how often they are halved at
+most, until no more of the flights is lost than `MAGNIFIED`: what is lost would be what errors are largest of."""
 
 FEW = 20
 """Of fewer particles than that the largest error counts, of more that which 95 in 100 do not exceed."""
@@ -124,7 +125,7 @@ class Judge:
         """Evaluations that equal steps may take, in parts of those of the first reference."""
         if self._safe is None:
             return self._terms.most_of_judge
-        return 1.0 if remembers(self._scene) else FINEST / FINE
+        return 1.0 if remembers(self._scene) else 2.0
 
     def _best(self, pilot: Pilot | WholePilot) -> tuple[Doubles, Doubles, float]:
         """Positions, how far another flight is from them, and the rate of exponential growth of errors, per frame.
@@ -164,19 +165,23 @@ class Judge:
         return finer.copy(), self._in_unit(finer, _apart(coarser, finer))
 
     def _steady(self, pilot: Pilot | WholePilot, safe: int) -> tuple[Doubles, Doubles, float]:
-        """The same of two flights with equal steps, of first order.
+        """The same of the last two of some flights with equal steps, of first order.
 
         But for grains that remember contacts, which do not come together so evenly, the positions are Richardson's
         extrapolation to steps of no length (Phil. Trans. R. Soc. A 210 (1911) 307).
         """
-        first = pilot.fly(SCHEMES[STEADY], steps=FINE * safe)
-        best = pilot.fly(SCHEMES[STEADY], steps=FINEST * safe).positions
+        flights = [pilot.fly(SCHEMES[STEADY], steps=FINE * safe)]
+        for halvings in range(1, HALVINGS + 1):
+            flights.append(pilot.fly(SCHEMES[STEADY], steps=FINE * safe * 2**halvings))
+            first, best = flights[-2:]
+            apart = self._in_unit(best.positions, _apart(first.positions, best.positions))
+            if remembers(self._scene) or self._unsure(best.positions, apart).mean() <= MAGNIFIED:
+                break
         self.evaluations = max(self.evaluations, first.evaluations)
         self._firsts.append(first)
-        apart = self._in_unit(best, _apart(first.positions, best))
         if remembers(self._scene):
-            return best.copy(), apart, 0.0
-        return best + FINE / (FINEST - FINE) * (best - first.positions), apart, 0.0
+            return best.positions.copy(), apart, 0.0
+        return 2.0 * best.positions - first.positions, apart, 0.0
 
     def _rate(self, pilot: Pilot | WholePilot, reference: Doubles) -> float:
         """Of the exponential growth of errors, per frame, where a pilot flies for a few frames only; else 0."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from particlecli.auto.choice import choose
-from particlecli.auto.judge import FINE, FINEST, Judge
+from particlecli.auto.judge import FINE, HALVINGS, Judge
 from particlecli.auto.pilot import Flight
 from particlecli.auto.safe import SafeSteps
 from particlecli.auto.terms import STEADY, TOGETHER, UNSEEN, lands, remembers
@@ -121,7 +121,7 @@ def test_grains_that_remember_contacts_are_stepped_evenly_and_compared_with_such
     choice = choose(described, [pilot], TOGETHER, safe)
     assert (choice.chosen.scheme, choice.rejected) == (STEADY, ())
     fewest = safe.fewest(SCHEMES[STEADY], described)
-    assert pilot.asked[:2] == [(SCHEMES[STEADY], FINE * fewest), (SCHEMES[STEADY], FINEST * fewest)]
+    assert pilot.asked[:2] == [(SCHEMES[STEADY], FINE * fewest), (SCHEMES[STEADY], 2 * FINE * fewest)]
     assert {scheme for scheme, _ in pilot.asked} == {SCHEMES[STEADY]}
 
 
@@ -150,7 +150,7 @@ def test_bodies_that_land_are_compared_with_steps_of_no_length():
     judge = Judge(described, [pilot], TOGETHER, fewest)
     for steps in (1, 3):
         assert judge.error([pilot.fly(SCHEMES["rk4"], steps=steps)]) == pytest.approx(OFF / steps)
-    assert judge.most_evaluations == FINEST * fewest
+    assert judge.most_evaluations == 2 * FINE * fewest
     choice = choose(described, [pilot], TOGETHER, safe)
     assert {each.scheme for each in (choice.chosen, *choice.rejected)}.isdisjoint(ADAPTIVE)
 
@@ -186,3 +186,22 @@ def test_contacts_that_no_pilot_sees_to_the_end_get_more_than_the_fewest_safe_st
     choice = choose(described, [Flier(total, lands="springs" in parts["forces"][0].values())], TOGETHER, safe)
     steps = {each.scheme: each.steps for each in (choice.chosen, *choice.rejected)}
     assert steps[STEADY] == least * safe.fewest(SCHEMES[STEADY], described)
+
+
+def test_steps_of_landing_bodies_are_halved_where_much_is_lost():
+    """The first two flights have a tenth of the particles elsewhere."""
+    described = resting(FLOWN / 10, particles=TWO, forces=SPRING, planes=FLOOR)
+    fewest = SafeSteps(make_plan(described)).fewest(SCHEMES[STEADY], described)
+
+    class Overturned(Flier):
+        def fly(self, scheme, *, steps=1, tolerance=None):
+            flight = super().fly(scheme, steps=steps, tolerance=tolerance)
+            flight.positions[:] = 0.0
+            flight.positions[:, : COUNT // 10, 1] = 1.0 if steps <= FINE * fewest else 0.0
+            return flight
+
+    pilot = Overturned(FLOWN, lands=True)
+    judge = Judge(described, [pilot], TOGETHER, fewest)
+    assert [steps for _, steps in pilot.asked] == [FINE * fewest * 2**n for n in range(HALVINGS + 1)]
+    assert judge.unknown == 0.0
+    assert judge.error([pilot.fly(SCHEMES[STEADY], steps=1)]) == 1.0
