@@ -4,11 +4,11 @@ Scenes are judged as they are shipped, but for the span that `SPANS` tells where
 where fewer of the same particles do the same within a shorter time. What is judged is the choice for just that; the one
 for all of the scene, which may have to allow for more and cost more, has to be as accurate in the same span.
 The error is that of a run in the scene's own precision, measured from a solution in double precision (dop853; where
-grains remember contacts, and of fluids, very many equal steps): of 95 in 100 particles that are seen in an eighth of
-the scene, in the worst eighth; that of the particle furthest off is told beside it. Particles are followed as long as
-that solution is known and can be had in the scene's precision: until it parts from one of a larger tolerance, or of
-longer steps, or one of two runs of very many steps in single precision parts from it. From then on the motion is
-chaotic, no integrator follows it, and nothing is said of it but how much that is.
+grains remember contacts or bodies land, and of fluids, very many equal steps): of 95 in 100 particles that are seen in
+an eighth of the scene, in the worst eighth; that of the particle furthest off is told beside it. Particles are followed
+as long as that solution is known and can be had in the scene's precision: until it parts from one of a larger
+tolerance, or of longer steps, or one of two runs of very many steps in single precision parts from it. From then on the
+motion is chaotic, no integrator follows it, and nothing is said of it but how much that is.
 Cost is counted, not timed: evaluations of the equations of motion, at the price that the kind of scheme has in the
 engine. A choice is dear if a rival that costs at most two thirds of it is accurate enough.
 """
