@@ -13,7 +13,7 @@ from particlecli.auto.judge import metres
 from particlecli.auto.outcome import Choice, Tried, integrator_of
 from particlecli.auto.pilot import SAMPLE, Pilot
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import ALONE, STEADY, TOGETHER, UNSEEN, lands, remembers
+from particlecli.auto.terms import ALONE, FORETOLD, STEADY, TOGETHER, UNSEEN, lands, remembers
 from particlecli.auto.whole import WholePilot, worth_flying
 from particlecli.dynamics.births import EmitterBirths
 from particlecli.dynamics.integrators import SCHEMES
@@ -83,7 +83,7 @@ def _careful(plan: Plan, tried: Choice | None, safe: SafeSteps) -> Choice:
     """Where no pilot tells: an adaptive scheme controls the error of each step, or contacts get many safe steps."""
     scene = plan.scene
     if remembers(scene) or lands(plan):
-        chosen = Tried(STEADY, UNSEEN * safe.fewest(SCHEMES[STEADY], scene), None, None, 0.0, "")
+        chosen = _steady(tried, safe.fewest(SCHEMES[STEADY], scene))
     else:
         tolerance = max(COUPLED * metres(scene), 1e-6 if scene.precision == "single" else 1e-13)
         chosen = Tried("dormand_prince", None, tolerance, None, 0.0, "")
@@ -93,3 +93,9 @@ def _careful(plan: Plan, tried: Choice | None, safe: SafeSteps) -> Choice:
     best = replace(tried.chosen, why="not accurate enough at any pace that was tried")
     others = tuple(each for each in (best, *tried.rejected) if each.scheme != chosen.scheme)
     return Choice(goal, chosen, others, unseen="no pilot was accurate enough")
+
+
+def _steady(tried: Choice | None, fewest: int) -> Tried:
+    """Many safe steps, and more where pilots foretell more."""
+    foretold = [each.steps or 0 for each in (tried.chosen, *tried.rejected) if each.scheme == STEADY] if tried else []
+    return Tried(STEADY, min(max([UNSEEN * fewest, *foretold]), FORETOLD * fewest), None, None, 0.0, "")

@@ -46,9 +46,9 @@ STEADY: Scheme = "symplectic_euler"
 """The scheme that others are compared with where contacts ask for equal steps: the cheapest step, and on bodies that
 land errors are several times smaller than by midpoint or rk4 in steps as long."""
 
-UNSEEN = 5
-"""Steps in parts of the fewest safe ones where contacts ask for equal ones, and no pilot sees all of these: nine or so
-while two grains touch."""
+UNSEEN, FORETOLD = 5, 20
+"""Steps in parts of the fewest safe ones where contacts ask for equal ones, and no pilot sees all of these, at least:
+nine or so while two grains touch. At most so many where pilots foretell more than they can judge."""
 
 
 def remembers(scene: Scene) -> bool:

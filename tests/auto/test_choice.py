@@ -10,9 +10,10 @@ from pydantic import ValidationError
 from particlecli.accuracy.estimate import ErrorEstimate
 from particlecli.accuracy.tracks import deviation
 from particlecli.accuracy.trial import Pace, Trial, trial_plan
+from particlecli.auto.outcome import Choice, Tried
 from particlecli.auto.resolve import resolved
 from particlecli.auto.safe import SafeSteps
-from particlecli.auto.terms import STEADY, TOGETHER, UNSEEN
+from particlecli.auto.terms import FORETOLD, STEADY, TOGETHER, UNSEEN
 from particlecli.dynamics.integrators import SCHEMES
 from particlecli.dynamics.plan import make_plan
 from particlecli.dynamics.sampling import chosen
@@ -158,6 +159,19 @@ def test_contacts_of_too_many_to_be_flown_get_equal_steps(parts, monkeypatch):
     assert changed.integrator.type == STEADY
     safe = SafeSteps(make_plan(described)).longest(SCHEMES[STEADY])
     assert safe / (UNSEEN + 1) < changed.integrator.dt <= safe / UNSEEN
+    assert not choice.holds
+
+
+@pytest.mark.parametrize(("foretold", "taken"), [(1, UNSEEN), (UNSEEN + 2, UNSEEN + 2), (3 * FORETOLD, FORETOLD)])
+def test_contacts_get_the_steps_that_pilots_foretell_within_bounds(foretold, taken, monkeypatch):
+    described = scene(**BODY, integrator=auto(1e-3))
+    fewest = SafeSteps(make_plan(described)).fewest(SCHEMES[STEADY], described)
+    wrong = Tried(STEADY, foretold * fewest, None, 1.0, 1.0, "would need more")
+    best = Tried("rk4", 9, None, 0.5, 1.0, "")
+    monkeypatch.setattr("particlecli.auto.resolve.choose", lambda *_: Choice(described.integrator.goal, best, (wrong,)))
+    _, choice = resolved(described, 1)
+    assert (choice.chosen.scheme, choice.chosen.steps) == (STEADY, taken * fewest)
+    assert [each.scheme for each in choice.rejected] == ["rk4"]
     assert not choice.holds
 
 
