@@ -23,6 +23,7 @@ class Phases:
     """Wall time of the run by what it waited for, s; together they make up nearly all of `wall_s`.
 
     Attributes:
+        choose_s: flying pilots for `auto`, compiling them included.
         compile_s: starting Taichi, building the system and compiling its kernels.
         simulate_s: advancing particles.
         estimate_s: carrying a sample of them again, to estimate the error.
@@ -31,6 +32,7 @@ class Phases:
         wall_s: the whole run.
     """
 
+    choose_s: float
     compile_s: float
     simulate_s: float
     estimate_s: float

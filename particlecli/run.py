@@ -249,6 +249,7 @@ class _Run:
             bytes_per_particle={group.name: group.bytes_per_particle for group in simulation.plan.groups},
             memory=simulation.plan.memory,
             phases=Phases(
+                choose_s=simulation.choose_seconds,
                 compile_s=self.starting.seconds + simulation.compile_seconds,
                 simulate_s=seconds,
                 estimate_s=self.estimating.seconds,

@@ -28,7 +28,7 @@ class Simulation:
         choice: how they were chosen; none where the scene has them.
         plan: what was worked out to be needed.
         system: the state and the solver interface.
-        compile_seconds, simulate_seconds: wall time spent in each phase so far.
+        choose_seconds, compile_seconds, simulate_seconds: wall time spent in each phase so far.
 
     Raises:
         SceneError: the scene's parts do not fit together, or it needs more memory than there is.
@@ -45,13 +45,15 @@ class Simulation:
         check_scene(scene)
         began = time.perf_counter()
         self.scene, self.choice = resolved(scene, threads)
+        chosen = time.perf_counter()
+        self.choose_seconds = chosen - began
         self.plan = make_plan(self.scene)
         runtime.start(scene.precision, threads, self.plan.structure)
         from particlecli.dynamics.system import System
 
         self.system = System(self.plan)
         self.system.compile()
-        self.compile_seconds = time.perf_counter() - began
+        self.compile_seconds = time.perf_counter() - chosen
         self.simulate_seconds = 0.0
         self._fields = fields
 

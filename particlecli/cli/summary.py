@@ -103,6 +103,7 @@ def _pictures(report: Report) -> str:
 def _times(report: Report) -> str:
     phases = report.phases
     parts = {
+        **({} if report.choice is None else {"choose": phases.choose_s}),
         "compile": phases.compile_s,
         "simulate": phases.simulate_s,
         "estimate": phases.estimate_s,

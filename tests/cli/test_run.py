@@ -25,13 +25,21 @@ def test_json_is_the_report_that_is_written(cli: Cli, scene: Path, tmp_path: Pat
     result = cli("run", "balls.yaml", "--trajectory", "a.npz", "--json")
     report = json.loads(result.stdout)
     assert report == json.loads((tmp_path / "outputs" / "balls" / "balls.report.json").read_text())
-    assert set(report["phases"]) == {"compile_s", "simulate_s", "estimate_s", "render_s", "encode_s", "wall_s"}
+    phases = ("choose", "compile", "simulate", "estimate", "render", "encode", "wall")
+    assert set(report["phases"]) == {f"{phase}_s" for phase in phases}
     error = report["estimated_error"]["balls"]
     assert error["metres"]["p95"] == pytest.approx(9.81 * 0.2 * 0.05 / 2, rel=0.01)  # of the first-order scheme
     assert error["trend"] == "converging"
     assert report["births"] == {"balls": 3}
     assert report["conserved"] == {}
     assert report["particle_steps"] == 3 * 4
+
+
+def test_time_for_choosing_is_told_where_auto_chooses(cli: Cli, scene: Path) -> None:
+    chosen = cli("run", "balls.yaml", "--set", "integrator={type: auto}", "--no-output").stdout
+    assert "chosen by auto" in chosen
+    assert " s: choose " in chosen
+    assert " s: compile " in cli("run", "balls.yaml", "--no-output").stdout
 
 
 def test_no_output_writes_nothing(cli: Cli, scene: Path, tmp_path: Path) -> None:
