@@ -55,8 +55,8 @@ def choose(scene: Scene, pilots: Sequence[Pilot | WholePilot], terms: Terms, saf
     return Choice(search.goal, best, tuple(rejected), unknown=search.unknown)
 
 
-def _even(scene: Scene, pilots: Sequence[Pilot | WholePilot]) -> bool:
-    """Whether contacts ask for equal steps."""
+def _contacts_tell(scene: Scene, pilots: Sequence[Pilot | WholePilot]) -> bool:
+    """Whether contacts ask for equal steps, and errors are told by such."""
     return remembers(scene) or any(pilot.lands for pilot in pilots)
 
 
@@ -66,7 +66,7 @@ def _fits(scene: Scene, scheme: Scheme, terms: Terms, pilots: Sequence[Pilot | W
     What sliding does to first order only a run shows.
     """
     slides = terms is ALONE and SCHEMES[scheme].order == 1 and bool(scene.planes)
-    suits = scheme == STEADY or not (remembers(scene) or (scheme in ADAPTIVE and _even(scene, pilots)))
+    suits = scheme == STEADY if remembers(scene) else not (scheme in ADAPTIVE and _contacts_tell(scene, pilots))
     return suits and not slides and not problems(_with(scene, scheme))
 
 
@@ -88,7 +88,7 @@ class _Search:
         self._scene = scene
         self._pilots = [pilot for pilot in pilots if pilot.moves]
         self._least = 1
-        even = _even(scene, self._pilots)
+        even = _contacts_tell(scene, self._pilots)
         self._judge = Judge(scene, self._pilots, terms, self._fewest(STEADY) if even else None)
         if even and any(pilot.flown < pilot.frames.max() for pilot in self._pilots):
             self._least = UNSEEN

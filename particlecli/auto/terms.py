@@ -43,8 +43,8 @@ class Terms:
 
 
 STEADY: Scheme = "symplectic_euler"
-"""The scheme that others are compared with where contacts ask for equal steps: the cheapest step, and on bodies that
-land errors are several times smaller than by midpoint or rk4 in steps as long."""
+"""The scheme that others are compared with where contacts ask for equal steps: the cheapest step, and the only
+scheme for grains that remember contacts."""
 
 UNSEEN, FORETOLD = 5, 20
 """Steps in parts of the fewest safe ones where contacts ask for equal ones, and no pilot sees all of these, at least:
